@@ -1,0 +1,44 @@
+//! Where the samples of a map go: the light's cameras.
+//!
+//! Every fit gives [`ViewFit`]s in double precision; the plan rounds them once.
+
+mod cube;
+mod depth_range;
+mod uniform;
+
+pub use cube::{CUBE_FACES, cube_face_view, cube_face_of};
+pub use depth_range::{DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, range_along_axis, range_around_point};
+pub use uniform::{directional_view, spot_view};
+
+use glam::DMat4;
+
+use crate::depth::DepthScale;
+
+/// A light's camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewFit {
+    /// From world to view space; the view looks along -z.
+    pub view_from_world: DMat4,
+    /// From view to clip space, z from 0 to 1.
+    pub clip_from_view: DMat4,
+    /// The near and far planes.
+    pub range: DepthRange,
+    /// How depth grows along the axis.
+    pub depth_scale: DepthScale,
+    /// Width and height of a texel in metres: at a distance of 1 m for a perspective view, anywhere for an orthographic one.
+    pub texel_metres: [f64; 2],
+}
+
+impl ViewFit {
+    /// From world to clip space.
+    #[must_use]
+    pub fn clip_from_world(&self) -> DMat4 {
+        self.clip_from_view * self.view_from_world
+    }
+}
+
+/// By how much the image of what is fitted must be magnified so that `guard` texels stay free on every side of a map
+/// of `size` texels: the taps of a receiver at the rim then still fall into the map.
+fn guard_scale(size: u32, guard: u32) -> f64 {
+    f64::from(size) / (f64::from(size) - 2.0 * f64::from(guard))
+}

@@ -1,0 +1,121 @@
+//! The near and far planes of a light's camera, from the casters.
+//!
+//! The planes lie just outside the bounds of what can cast a shadow.
+//! A light inside the bounds of a caster has no distance to it that the bounds could tell; then, and wherever the nearest
+//! caster is closer still, the near plane lies at [`MIN_NEAR_SHARE`] of the far plane's distance. What is nearer to the light
+//! than that casts no shadow, and is lit.
+
+use glam::{DMat4, DVec3};
+
+use crate::bounds::Aabb;
+
+/// The near plane of a perspective view lies at least at this share of the far plane's distance.
+///
+/// Depth z / w loses `far / near` times its precision at the far plane: at 1/1024 a step of 32-bit depth is `2^-14` of the far
+/// distance, 1.2 mm at 20 m. three.js uses 1/1000 for its point lights.
+pub const MIN_NEAR_SHARE: f64 = 1.0 / 1024.0;
+
+/// By what share of itself a range is widened at either end, so that no caster is clipped by the rounding of its depth.
+pub const RANGE_MARGIN: f64 = 1.0 / 1024.0;
+
+/// The distances of the near and far planes from the eye along the view axis, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthRange {
+    /// The near plane; 0 for an orthographic view, whose eye lies on it.
+    pub near: f64,
+    /// The far plane.
+    pub far: f64,
+}
+
+/// The distance in the maximum norm between a point and a box, in metres: 0 inside.
+///
+/// Of the six faces of a cube around the point, the one that looks at the box sees no part of it nearer than this along its axis.
+#[must_use]
+pub fn distance_to_box(point: DVec3, bounds: Aabb) -> f64 {
+    let gap = (bounds.min.as_dvec3() - point).max(point - bounds.max.as_dvec3());
+    gap.max(DVec3::ZERO).max_element()
+}
+
+/// The range of a view that looks along one axis: from the nearest to the farthest corner of the casters in front of it.
+///
+/// `limit` is the light's range in metres, infinite for none. Without a caster in front, the range lies around 1 m, or
+/// the limit if that is nearer: the map then stays empty and everything is lit.
+#[must_use]
+pub fn range_along_axis(view_from_world: DMat4, casters: &[Aabb], limit: f64) -> DepthRange {
+    let mut near = f64::INFINITY;
+    let mut far = 0.0_f64;
+    for caster in casters {
+        let (min, max) = caster.transformed(view_from_world);
+        if -min.z > 0.0 {
+            near = near.min(-max.z);
+            far = far.max(-min.z);
+        }
+    }
+    widened(near, far, limit)
+}
+
+/// The common range of the six faces of a cube around `position`.
+///
+/// `limit` is the light's range in metres, infinite for none.
+#[must_use]
+pub fn range_around_point(position: DVec3, casters: &[Aabb], limit: f64) -> DepthRange {
+    let mut near = f64::INFINITY;
+    let mut far = 0.0_f64;
+    for caster in casters.iter().filter(|caster| !caster.is_empty()) {
+        near = near.min(distance_to_box(position, *caster));
+        for corner in caster.corners() {
+            far = far.max((corner.as_dvec3() - position).abs().max_element());
+        }
+    }
+    widened(near, far, limit)
+}
+
+/// Applies the limit, the margin and the near rule.
+fn widened(near: f64, far: f64, limit: f64) -> DepthRange {
+    let far = if far > 0.0 { far.min(limit) } else { limit.min(1.0) } * (1.0 + RANGE_MARGIN);
+    let nearest = far * MIN_NEAR_SHARE;
+    // The upper bound keeps a range where the nearest caster is also the farthest, or lies beyond the limit.
+    let farthest = far * (1.0 - RANGE_MARGIN);
+    DepthRange { near: (near * (1.0 - RANGE_MARGIN)).max(nearest).min(farthest), far }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn the_range_encloses_the_casters_in_front() {
+        let caster = Aabb::new(Vec3::new(-1.0, -1.0, -6.0), Vec3::new(1.0, 1.0, -4.0));
+        let behind = Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(1.0, 1.0, 5.0));
+        let range = range_along_axis(DMat4::IDENTITY, &[caster, behind], f64::INFINITY);
+        assert!(range.near < 4.0 && range.near > 3.99 && range.far > 6.0 && range.far < 6.01, "{range:?}");
+    }
+
+    #[test]
+    fn a_light_inside_a_caster_takes_the_near_rule() {
+        let around = Aabb::new(Vec3::splat(-3.0), Vec3::splat(3.0));
+        for range in [
+            range_along_axis(DMat4::IDENTITY, &[around], f64::INFINITY),
+            range_around_point(DVec3::ZERO, &[around], f64::INFINITY),
+        ] {
+            assert_eq!(range.near, range.far * MIN_NEAR_SHARE);
+            assert!(range.far > 3.0, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn the_lights_own_range_bounds_the_far_plane() {
+        let caster = Aabb::new(Vec3::new(-1.0, -1.0, -60.0), Vec3::new(1.0, 1.0, -40.0));
+        let range = range_along_axis(DMat4::IDENTITY, &[caster], 10.0);
+        assert!(range.near < range.far && range.far <= 10.0 * (1.0 + RANGE_MARGIN), "{range:?}");
+    }
+
+    #[test]
+    fn no_caster_still_gives_a_range() {
+        for range in [range_along_axis(DMat4::IDENTITY, &[], f64::INFINITY), range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)] {
+            assert!(range.near > 0.0 && range.near < range.far && range.far.is_finite(), "{range:?}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The mathematics of shadow mapping, without a renderer.
+//!
+//! This crate says where the samples of a shadow map go, how much bias a lookup needs, how depth tests are averaged and
+//! what a lit pixel looks like.
+//! It draws nothing: a renderer asks it for a [`plan`] (plain data, computed once a frame), renders the maps that the plan
+//! describes, and calls [`visibility`] for every receiver.
+//!
+//! ```
+//! use shadow_math::{Light, LightKind, ShadowSettings, bounds::Aabb, plan};
+//! use glam::Vec3;
+//!
+//! let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.2) }, color: Vec3::ONE, intensity: 80_000.0 };
+//! let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
+//! let mut views = [plan::ViewPlan::default(); plan::MAX_VIEWS_PER_LIGHT];
+//! let light = plan::plan_light(&sun, &[scene], scene, &ShadowSettings::default(), 0, &mut views)?;
+//! assert_eq!(light.view_count, 1);
+//! // One texel of the map covers about 8 mm of this 10 m scene.
+//! assert!(views[0].texel_metres[0] < 0.01);
+//! # Ok::<(), shadow_math::PlanError>(())
+//! ```
+//!
+//! # Main types
+//!
+//! - [`Camera`] and [`Light`] describe what is to be seen; [`ShadowSettings`] says by which technique.
+//! - [`plan::LightPlan`] and [`plan::ViewPlan`] are what both renderers consume, byte for byte.
+//! - [`Receiver`] is a point that asks whether it is lit, [`MapAccess`] the way to the shadow maps.
+//!
+//! # Conventions
+//!
+//! World space is right-handed with y up, in metres; views look along -z; vectors are columns; angles are radians; colours are
+//! linear. [`spaces`] defines every space once. Positions are relative to an origin that the scene keeps in double precision.
+//!
+//! # Two kinds of arithmetic
+//!
+//! What is computed once a frame (matrices, fits, bounds on rounding) is computed in `f64` and rounded once.
+//! What is computed once a pixel is `f32`, uses only `+ - * /` and `sqrt`, in an order that is written out, so that a
+//! shader which repeats the statements repeats the bits. Those modules name the shader file that mirrors them.
+//!
+//! # Features
+//!
+//! - `std` (default) takes square roots and trigonometry from the standard library.
+//! - `libm` takes them from the `libm` crate. One of the two is required; the crate itself never needs `std` or a heap.
+//! - `serde` derives serialisation for settings, cameras and lights.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "std")]
+extern crate std;
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("shadow-math needs square roots and trigonometry: enable the feature `std` or the feature `libm`");
+
+mod float;
+
+pub mod spaces;
+pub mod bounds;
+pub mod camera;
+pub mod frustum;
+pub mod convex;
+pub mod light;
+pub mod settings;
+pub mod depth;
+pub mod rounding;
+pub mod fit;
+pub mod plan;
+pub mod triangle;
+pub mod bias;
+pub mod filter;
+pub mod visibility;
+pub mod approx;
+pub mod srgb;
+pub mod material;
+pub mod shade;
+pub mod exposure;
+
+pub use camera::{Camera, CameraError, Projection};
+pub use light::{Light, LightError, LightKind};
+pub use plan::PlanError;
+pub use settings::{Bias, Filter, Fit, ShadowSettings, Split, Store};
+pub use visibility::{MapAccess, Receiver, visibility};

@@ -1,0 +1,17 @@
+//! The plan of a frame: plain data, computed once, that both renderers follow byte for byte.
+//!
+//! A [`CameraPlan`] says how the picture is taken, a [`LightPlan`] how a light shines and which of the [`ViewPlan`]s are its
+//! maps. The caller lends the memory, so there is no heap and no small maximum.
+//!
+//! All types are `repr(C)` and `Pod`, laid out as WGSL lays out storage buffers; `plan.wgsl` repeats them.
+
+mod build;
+mod data;
+mod error;
+
+pub use build::{plan_camera, plan_light, view_count};
+pub use data::{
+    BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT,
+    LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+};
+pub use error::PlanError;

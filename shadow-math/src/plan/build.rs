@@ -1,0 +1,360 @@
+//! Computes a plan in double precision and rounds it once.
+
+use glam::{DMat4, DVec2, DVec3, DVec4};
+
+use super::data::{
+    BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT,
+    LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+};
+use super::error::PlanError;
+use crate::{
+    bounds::Aabb,
+    camera::Camera,
+    depth::DEPTH_Z_OVER_W,
+    exposure::Exposure,
+    filter,
+    fit::{self, ViewFit},
+    light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
+    rounding::RoundingBound,
+    settings::{Bias, Filter, Fit, MAX_MAP_SIZE, MIN_MAP_SIZE, ShadowSettings, Split, Store},
+    spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
+};
+
+/// How the camera takes a picture of `width` by `height` pixels with `light_count` lights.
+///
+/// # Errors
+///
+/// [`PlanError::Camera`] and [`PlanError::PictureSize`].
+pub fn plan_camera(
+    camera: &Camera,
+    width: u32,
+    height: u32,
+    exposure: Exposure,
+    light_count: u32,
+) -> Result<CameraPlan, PlanError> {
+    camera.validate()?;
+    if width == 0 || height == 0 {
+        return Err(PlanError::PictureSize { width, height });
+    }
+    let size = DVec2::new(f64::from(width), f64::from(height));
+    let aspect = size.x / size.y;
+    let clip_from_world = camera.clip_from_view(aspect, ClipDepth::Reversed) * camera.view_from_world();
+    let [clip_x, clip_y, clip_z, clip_w] = rows(clip_from_world);
+    // The rays come from the pose itself: an infinite far plane has no inverse that could be unprojected.
+    let half_extent = camera.half_extent(aspect);
+    let perspective = matches!(camera.projection, crate::Projection::Perspective { .. });
+    Ok(CameraPlan {
+        clip_x,
+        clip_y,
+        clip_z,
+        clip_w,
+        rays: pixel_rays(camera.eye, camera.orientation * DVec3::X, camera.orientation * DVec3::Y, half_extent, size, perspective),
+        ambient: exposure.ambient.to_array(),
+        exposure: exposure.scale,
+        width,
+        height,
+        light_count,
+        padding: 0,
+    })
+}
+
+/// How many views a light takes under these settings: 1 or 6.
+///
+/// # Errors
+///
+/// [`PlanError::CubeAroundDirection`].
+pub fn view_count(light: &Light, settings: &ShadowSettings) -> Result<usize, PlanError> {
+    Ok(match (light.kind, settings.split) {
+        (LightKind::Directional { .. }, Split::Single) => 1,
+        (LightKind::Directional { .. }, Split::Cube) => return Err(PlanError::CubeAroundDirection),
+        (LightKind::Spot { outer, .. }, Split::Single) if outer <= MAX_SINGLE_MAP_OUTER_ANGLE => 1,
+        (LightKind::Spot { .. } | LightKind::Point { .. }, _) => MAX_VIEWS_PER_LIGHT,
+    })
+}
+
+/// The plan of a light and of its views, which are written to the beginning of `views`.
+///
+/// `casters` are the bounds of what can cast a shadow, `bounds` those of everything that is drawn, both in metres relative to the
+/// scene's origin. `first_view` is the index that the first view will have in the frame; it is also the view's layer.
+///
+/// # Errors
+///
+/// Every [`PlanError`] but those of the camera.
+pub fn plan_light(
+    light: &Light,
+    casters: &[Aabb],
+    bounds: Aabb,
+    settings: &ShadowSettings,
+    first_view: u32,
+    views: &mut [ViewPlan],
+) -> Result<LightPlan, PlanError> {
+    light.validate()?;
+    let ShadowSettings { fit: Fit::Uniform, store: Store::Depth32, map_size: size, .. } = *settings;
+    if !(MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(&size) {
+        return Err(PlanError::MapSize(size));
+    }
+    if bounds.is_empty() {
+        return Err(PlanError::EmptyBounds);
+    }
+    let count = view_count(light, settings)?;
+    let given = views.len();
+    let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
+    let guard = filter::guard_texels(settings.filter);
+
+    let mut plan = LightPlan {
+        intensity: (light.color * light.intensity).to_array(),
+        cone_offset: 1.0,
+        first_view,
+        view_count: count as u32,
+        split: if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE },
+        filter: match settings.filter {
+            Filter::Hard => FILTER_HARD,
+            Filter::Bilinear => FILTER_BILINEAR,
+        },
+        ..LightPlan::default()
+    };
+    set_bias(&mut plan, settings.bias)?;
+    match light.kind {
+        LightKind::Directional { direction } => {
+            plan.kind = LIGHT_DIRECTIONAL;
+            plan.position = (-direction.as_dvec3().normalize()).as_vec3().to_array();
+        }
+        LightKind::Spot { position, direction, inner, outer, range } => {
+            plan.kind = LIGHT_SPOT;
+            plan.position = position.to_array();
+            plan.axis = direction.as_dvec3().normalize().as_vec3().to_array();
+            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
+            (plan.cone_scale, plan.cone_offset) = cone_falloff(inner, outer);
+        }
+        LightKind::Point { position, range } => {
+            plan.kind = LIGHT_POINT;
+            plan.position = position.to_array();
+            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
+        }
+    }
+
+    let limit = f64::from(light.range());
+    match light.kind {
+        LightKind::Directional { direction } => {
+            views[0] = plan_view(&fit::directional_view(direction, bounds, size, guard), bounds, size, first_view);
+        }
+        LightKind::Spot { position, direction, outer, .. } if count == 1 => {
+            let view = fit::spot_view(position, direction, f64::from(outer), limit, casters, size, guard);
+            views[0] = plan_view(&view, bounds, size, first_view);
+        }
+        LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
+            let range = fit::range_around_point(position.as_dvec3(), casters, limit);
+            for (face, view) in views.iter_mut().enumerate() {
+                let fit = fit::cube_face_view(position, face, range, size, guard);
+                *view = plan_view(&fit, bounds, size, first_view + face as u32);
+            }
+        }
+    }
+    Ok(plan)
+}
+
+/// Writes the bias into a light's plan.
+fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
+    let check_metres =
+        |metres: f32| if metres.is_finite() && metres >= 0.0 { Ok(metres) } else { Err(PlanError::BiasMetres(metres)) };
+    match bias {
+        Bias::None => plan.bias = BIAS_NONE,
+        Bias::Constant { metres } => {
+            plan.bias = BIAS_CONSTANT;
+            plan.bias_metres = check_metres(metres)?;
+        }
+        Bias::Slope { scale, metres } => {
+            if !(scale.is_finite() && scale >= 0.0) {
+                return Err(PlanError::SlopeScale(scale));
+            }
+            plan.bias = BIAS_SLOPE;
+            plan.bias_metres = check_metres(metres)?;
+            plan.slope_scale = scale;
+        }
+    }
+    Ok(())
+}
+
+/// The scale and offset of KHR_lights_punctual's angular falloff, "Inner and Outer Cone Angles".
+fn cone_falloff(inner: f32, outer: f32) -> (f32, f32) {
+    #[cfg(not(feature = "std"))]
+    use crate::float::FloatFuncs;
+    /// The specification's floor under the difference of the cosines.
+    const MIN_COSINE_STEP: f64 = 0.001;
+    let (cos_inner, cos_outer) = (f64::from(inner).cos(), f64::from(outer).cos());
+    let scale = 1.0 / (cos_inner - cos_outer).max(MIN_COSINE_STEP);
+    (scale as f32, (-cos_outer * scale) as f32)
+}
+
+/// Rounds a light's camera to the plan's precision.
+fn plan_view(view: &ViewFit, bounds: Aabb, size: u32, layer: u32) -> ViewPlan {
+    let clip_from_world = view.clip_from_world();
+    let extent = DVec2::splat(f64::from(size));
+    let (texel_scale, texel_offset) = texel_from_ndc(DVec2::ZERO, extent);
+    let world_from_texel = (texel_from_clip(DVec2::ZERO, extent) * clip_from_world).inverse();
+    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size);
+    let [clip_x, clip_y, clip_z, clip_w] = rows(clip_from_world);
+
+    let world_from_view = view.view_from_world.inverse();
+    let half_extent = DVec2::from(view.texel_metres) * 0.5 * extent;
+    ViewPlan {
+        clip_x,
+        clip_y,
+        clip_z,
+        clip_w,
+        world_from_texel_x: rounded(world_from_texel.x_axis),
+        world_from_texel_y: rounded(world_from_texel.y_axis),
+        world_from_depth: rounded(world_from_texel.z_axis),
+        rays: pixel_rays(
+            world_from_view.w_axis.truncate(),
+            world_from_view.x_axis.truncate(),
+            world_from_view.y_axis.truncate(),
+            half_extent,
+            extent,
+            view.depth_scale.w_per_metre > 0.0,
+        ),
+        texel_scale: texel_scale.as_vec2().to_array(),
+        texel_offset: texel_offset.as_vec2().to_array(),
+        rounding_texels: [rounding.texels as f32, rounding.texels_over_w as f32],
+        rounding_depth: [rounding.depth as f32, rounding.depth_over_w as f32],
+        depth_factor: view.depth_scale.factor as f32,
+        w_per_metre: view.depth_scale.w_per_metre as f32,
+        depth_range: [view.range.near as f32, view.range.far as f32],
+        texel_metres: view.texel_metres.map(|metres| metres as f32),
+        layer,
+        depth_kind: DEPTH_Z_OVER_W,
+        rect: [0, 0, size, size],
+    }
+}
+
+/// The rays of a view from its pose: `right` and `up` are unit vectors, `half_extent` half the width and height of the image in
+/// metres (at a distance of 1 m if `perspective`), `size` its extent in pixels.
+fn pixel_rays(eye: DVec3, right: DVec3, up: DVec3, half_extent: DVec2, size: DVec2, perspective: bool) -> PixelRays {
+    let forward = up.cross(right);
+    let dx = right * (2.0 * half_extent.x / size.x);
+    // Rows count downward.
+    let dy = -up * (2.0 * half_extent.y / size.y);
+    let corner = up * half_extent.y - right * half_extent.x;
+    let pad = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+    let zero = pad(DVec3::ZERO);
+    if perspective {
+        PixelRays {
+            origin: pad(eye),
+            origin_dx: zero,
+            origin_dy: zero,
+            direction: pad(forward + corner),
+            direction_dx: pad(dx),
+            direction_dy: pad(dy),
+        }
+    } else {
+        PixelRays {
+            origin: pad(eye + corner),
+            origin_dx: pad(dx),
+            origin_dy: pad(dy),
+            direction: pad(forward),
+            direction_dx: zero,
+            direction_dy: zero,
+        }
+    }
+}
+
+/// The rows of a matrix, rounded.
+fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
+    let transposed = matrix.transpose();
+    [transposed.x_axis, transposed.y_axis, transposed.z_axis, transposed.w_axis].map(rounded)
+}
+
+/// Rounds each component to the nearest f32.
+fn rounded(v: DVec4) -> [f32; 4] {
+    v.as_vec4().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn scene() -> Aabb {
+        Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0))
+    }
+
+    fn spot(outer: f32) -> Light {
+        Light {
+            kind: LightKind::Spot { position: Vec3::Y * 9.0, direction: Vec3::NEG_Y, inner: 0.1, outer, range: None },
+            color: Vec3::ONE,
+            intensity: 100.0,
+        }
+    }
+
+    fn plan(light: &Light, settings: &ShadowSettings) -> Result<(LightPlan, [ViewPlan; 6]), PlanError> {
+        let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+        Ok((plan_light(light, &[scene()], scene(), settings, 0, &mut views)?, views))
+    }
+
+    #[test]
+    fn wide_spots_take_cube_faces() {
+        let settings = ShadowSettings::default();
+        assert_eq!(plan(&spot(70_f32.to_radians()), &settings).unwrap().0.view_count, 1);
+        assert_eq!(plan(&spot(70.1_f32.to_radians()), &settings).unwrap().0.view_count, 6);
+        let cube = ShadowSettings { split: Split::Cube, ..settings };
+        assert_eq!(plan(&spot(0.5), &cube).unwrap().0.split, SPLIT_CUBE);
+    }
+
+    #[test]
+    fn what_has_no_meaning_is_refused() {
+        let sun = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
+        let settings = ShadowSettings::default();
+        let refused = |light: &Light, settings: ShadowSettings| plan(light, &settings).unwrap_err();
+        assert_eq!(refused(&sun, ShadowSettings { split: Split::Cube, ..settings }), PlanError::CubeAroundDirection);
+        assert_eq!(refused(&sun, ShadowSettings { map_size: 15, ..settings }), PlanError::MapSize(15));
+        assert_eq!(refused(&sun, ShadowSettings { map_size: 16_385, ..settings }), PlanError::MapSize(16_385));
+        let bias = Bias::Constant { metres: -1.0 };
+        assert_eq!(refused(&sun, ShadowSettings { bias, ..settings }), PlanError::BiasMetres(-1.0));
+        let bias = Bias::Slope { scale: f32::INFINITY, metres: 0.0 };
+        assert_eq!(refused(&sun, ShadowSettings { bias, ..settings }), PlanError::SlopeScale(f32::INFINITY));
+        let mut few = [ViewPlan::default(); 5];
+        let error = plan_light(&spot(1.5), &[scene()], scene(), &settings, 0, &mut few).unwrap_err();
+        assert_eq!(error, PlanError::Views { needed: 6, given: 5 });
+        let error = plan_light(&sun, &[], Aabb::EMPTY, &settings, 0, &mut few).unwrap_err();
+        assert_eq!(error, PlanError::EmptyBounds);
+    }
+
+    #[test]
+    fn a_directional_view_has_w_of_exactly_one() {
+        let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.2, -1.0, 0.4) }, color: Vec3::ONE, intensity: 1.0 };
+        let (_, views) = plan(&sun, &ShadowSettings::default()).unwrap();
+        assert_eq!(views[0].clip_w, [0.0, 0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn rays_pass_through_the_points_that_project_to_their_pixels() {
+        let camera = Camera::look_at(
+            DVec3::new(1.0, 3.0, 7.0),
+            DVec3::ZERO,
+            crate::Projection::Perspective { vertical_fov: 0.8, near: 0.1, far: None },
+        )
+        .unwrap();
+        let plan = plan_camera(&camera, 640, 360, Exposure::default(), 0).unwrap();
+        let clip_from_world = camera.clip_from_view(640.0 / 360.0, ClipDepth::Reversed) * camera.view_from_world();
+        let (scale, offset) = texel_from_ndc(DVec2::ZERO, DVec2::new(640.0, 360.0));
+        for (x, y) in [(0.5, 0.5), (320.0, 180.0), (600.25, 12.5)] {
+            let at = |a: [f32; 4], dx: [f32; 4], dy: [f32; 4]| {
+                (Vec3::from_slice(&a) + x * Vec3::from_slice(&dx) + y * Vec3::from_slice(&dy)).as_dvec3()
+            };
+            let rays = plan.rays;
+            let point = at(rays.origin, rays.origin_dx, rays.origin_dy) + 4.0 * at(rays.direction, rays.direction_dx, rays.direction_dy);
+            let ndc = clip_from_world.project_point3(point);
+            let pixel = ndc.truncate() * scale + offset;
+            // f32 directions are off by 2^-24 of a metre at 1 m, which is below 1e-4 of these pixels.
+            assert!((pixel - DVec2::new(f64::from(x), f64::from(y))).length() < 1e-3, "{pixel}");
+        }
+    }
+
+    #[test]
+    fn the_cones_falloff_is_one_inside_and_zero_outside() {
+        let (scale, offset) = cone_falloff(0.3, 0.6);
+        assert!((0.3_f32.cos() * scale + offset - 1.0).abs() < 1e-5);
+        assert!((0.6_f32.cos() * scale + offset).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,160 @@
+//! The plan's data. `plan.wgsl` repeats these structs; a test compares every offset.
+
+use bytemuck::{Pod, Zeroable};
+
+/// The most views of one light: the faces of a cube.
+pub const MAX_VIEWS_PER_LIGHT: usize = 6;
+
+/// [`LightPlan::kind`] of a directional light.
+pub const LIGHT_DIRECTIONAL: u32 = 0;
+/// [`LightPlan::kind`] of a spot light.
+pub const LIGHT_SPOT: u32 = 1;
+/// [`LightPlan::kind`] of a point light.
+pub const LIGHT_POINT: u32 = 2;
+
+/// [`LightPlan::split`]: one view.
+pub const SPLIT_SINGLE: u32 = 0;
+/// [`LightPlan::split`]: six views, in the order of [`CUBE_FACES`](crate::fit::CUBE_FACES).
+pub const SPLIT_CUBE: u32 = 1;
+
+/// [`LightPlan::bias`]: none.
+pub const BIAS_NONE: u32 = 0;
+/// [`LightPlan::bias`]: a length.
+pub const BIAS_CONSTANT: u32 = 1;
+/// [`LightPlan::bias`]: what the receiver's plane needs.
+pub const BIAS_SLOPE: u32 = 2;
+
+/// [`LightPlan::filter`]: one test.
+pub const FILTER_HARD: u32 = 0;
+/// [`LightPlan::filter`]: four tests, weighted bilinearly.
+pub const FILTER_BILINEAR: u32 = 1;
+
+/// Half a step of the sub-pixel grid that vertices are snapped to, in texels, where depth comes from the snapped vertices:
+/// 8 bits, the number that Direct3D requires and lavapipe has.
+pub const SNAP_TEXELS: f32 = 1.0 / 512.0;
+
+/// The rays through the pixels of a view: `(origin, direction)` at pixel coordinates `(x, y)` are `a + a_dx x + a_dy y` each.
+///
+/// Pixel centres lie at + 0.5. Directions are not normalised. The fourth components are padding.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PixelRays {
+    /// The origin at pixel coordinate (0, 0), in metres relative to the scene's origin.
+    pub origin: [f32; 4],
+    /// What a step in x adds to the origin.
+    pub origin_dx: [f32; 4],
+    /// What a step in y adds to the origin.
+    pub origin_dy: [f32; 4],
+    /// The direction at pixel coordinate (0, 0).
+    pub direction: [f32; 4],
+    /// What a step in x adds to the direction.
+    pub direction_dx: [f32; 4],
+    /// What a step in y adds to the direction.
+    pub direction_dy: [f32; 4],
+}
+
+/// How the picture is taken.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CameraPlan {
+    /// The x row of the matrix from world to clip space.
+    pub clip_x: [f32; 4],
+    /// The y row.
+    pub clip_y: [f32; 4],
+    /// The z row: reversed, 1 at the near plane.
+    pub clip_z: [f32; 4],
+    /// The w row.
+    pub clip_w: [f32; 4],
+    /// The rays through the pixels.
+    pub rays: PixelRays,
+    /// Illuminance that arrives from everywhere, linear colour, in lux.
+    pub ambient: [f32; 3],
+    /// What radiance is multiplied by: 1 over the luminance, in candela per square metre, that becomes white.
+    pub exposure: f32,
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// How many lights there are.
+    pub light_count: u32,
+    /// Padding to a multiple of 16 bytes.
+    pub padding: u32,
+}
+
+/// How a light shines and is shadowed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightPlan {
+    /// The unit vector toward a directional light; the position of another, in metres relative to the scene's origin.
+    pub position: [f32; 3],
+    /// [`LIGHT_DIRECTIONAL`], [`LIGHT_SPOT`] or [`LIGHT_POINT`].
+    pub kind: u32,
+    /// Colour times intensity: lux for a directional light, candela for another.
+    pub intensity: [f32; 3],
+    /// 1 over the range in 1 / m; 0 for no range.
+    pub inverse_range: f32,
+    /// The unit vector along a spot light's axis, the way the light travels; otherwise zero.
+    pub axis: [f32; 3],
+    /// A spot light's angular falloff is `saturate(cos * cone_scale + cone_offset)` squared.
+    pub cone_scale: f32,
+    /// See `cone_scale`; 1 with a scale of 0 for lights without a cone.
+    pub cone_offset: f32,
+    /// The index of the light's first view.
+    pub first_view: u32,
+    /// The number of its views.
+    pub view_count: u32,
+    /// [`SPLIT_SINGLE`] or [`SPLIT_CUBE`]: how a receiver chooses among the views.
+    pub split: u32,
+    /// [`BIAS_NONE`], [`BIAS_CONSTANT`] or [`BIAS_SLOPE`].
+    pub bias: u32,
+    /// A length in metres along the view axis that is added to the bias.
+    pub bias_metres: f32,
+    /// A factor on the filter's support in the slope bias.
+    pub slope_scale: f32,
+    /// [`FILTER_HARD`] or [`FILTER_BILINEAR`].
+    pub filter: u32,
+}
+
+/// One shadow map: where it looks, where it is stored, and what its texels mean.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ViewPlan {
+    /// The x row of the matrix from world to clip space.
+    pub clip_x: [f32; 4],
+    /// The y row.
+    pub clip_y: [f32; 4],
+    /// The depth row: z, of the kind that `depth_kind` names.
+    pub clip_z: [f32; 4],
+    /// The w row: exactly (0, 0, 0, 1) for an orthographic view.
+    pub clip_w: [f32; 4],
+    /// The first column of the matrix from (texel x, texel y, depth, 1) to homogeneous world space.
+    pub world_from_texel_x: [f32; 4],
+    /// The second column.
+    pub world_from_texel_y: [f32; 4],
+    /// The third column.
+    pub world_from_depth: [f32; 4],
+    /// The rays through the texels, for alpha-tested casters.
+    pub rays: PixelRays,
+    /// NDC x and y times this, plus `texel_offset`, are texels of the layer.
+    pub texel_scale: [f32; 2],
+    /// See `texel_scale`.
+    pub texel_offset: [f32; 2],
+    /// The bound on rounding, in texels: wherever the receiver is, and divided by its w.
+    pub rounding_texels: [f32; 2],
+    /// The bound on rounding, in depth: wherever the receiver is, and divided by its w.
+    pub rounding_depth: [f32; 2],
+    /// `metres` before a receiver take up `depth_factor * metres / (w * (w - w_per_metre * metres))` of depth.
+    pub depth_factor: f32,
+    /// 1 for a perspective view, 0 for an orthographic one.
+    pub w_per_metre: f32,
+    /// The distances of the near and far planes along the axis, in metres.
+    pub depth_range: [f32; 2],
+    /// Width and height of a texel in metres: at w = 1.
+    pub texel_metres: [f32; 2],
+    /// The layer of the map array.
+    pub layer: u32,
+    /// [`DEPTH_Z_OVER_W`](crate::depth::DEPTH_Z_OVER_W).
+    pub depth_kind: u32,
+    /// The rectangle within the layer: x, y, width, height in texels.
+    pub rect: [u32; 4],
+}

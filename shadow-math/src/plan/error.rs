@@ -1,0 +1,79 @@
+//! Why a plan cannot be made.
+
+use crate::{
+    camera::CameraError,
+    light::LightError,
+    settings::{MAX_MAP_SIZE, MIN_MAP_SIZE},
+};
+
+/// Why a plan cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The light cannot be used.
+    Light(LightError),
+    /// The camera cannot be used.
+    Camera(CameraError),
+    /// The map's size in texels is out of range.
+    MapSize(u32),
+    /// The bias, in metres, is negative or not finite.
+    BiasMetres(f32),
+    /// The factor on the slope bias is negative or not finite.
+    SlopeScale(f32),
+    /// A cube was asked for around a directional light.
+    CubeAroundDirection,
+    /// There is nothing that could cast a shadow: the scene's bounds are empty.
+    EmptyBounds,
+    /// The caller lent too few views.
+    Views {
+        /// How many the light needs.
+        needed: usize,
+        /// How many there are.
+        given: usize,
+    },
+    /// The picture has no pixels.
+    PictureSize {
+        /// The width in pixels.
+        width: u32,
+        /// The height in pixels.
+        height: u32,
+    },
+}
+
+impl core::fmt::Display for PlanError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Light(error) => error.fmt(f),
+            Self::Camera(error) => error.fmt(f),
+            Self::MapSize(size) => {
+                write!(f, "a shadow map of {size} texels is out of range; choose a map size from {MIN_MAP_SIZE} to {MAX_MAP_SIZE}")
+            }
+            Self::BiasMetres(metres) => write!(f, "a bias of {metres} m makes no sense; it must be finite and at least 0"),
+            Self::SlopeScale(scale) => {
+                write!(f, "a slope bias scaled by {scale} makes no sense; the scale must be finite and at least 0 (1 is enough and no more)")
+            }
+            Self::CubeAroundDirection => {
+                f.write_str("a directional light has no position that a cube could surround; use a single map for it")
+            }
+            Self::EmptyBounds => f.write_str("the scene's bounds are empty, so there is nothing to fit a shadow map to"),
+            Self::Views { needed, given } => write!(f, "the light needs {needed} views, but only {given} were lent"),
+            Self::PictureSize { width, height } => {
+                write!(f, "a picture of {width} x {height} pixels has nothing in it; both must be at least 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}
+
+impl From<LightError> for PlanError {
+    fn from(error: LightError) -> Self {
+        Self::Light(error)
+    }
+}
+
+impl From<CameraError> for PlanError {
+    fn from(error: CameraError) -> Self {
+        Self::Camera(error)
+    }
+}

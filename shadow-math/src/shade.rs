@@ -1,0 +1,158 @@
+//! Light on surfaces: ambient, Lambert, Blinn-Phong, spot cones, inverse square with range.
+//!
+//! Falloff is that of KHR_lights_punctual; the highlight is Blinn-Phong (Blinn 1977) normalised to reflect no more than it gets.
+//!
+//! Mirrored by `shade.wgsl`.
+
+use glam::Vec3;
+
+use crate::{
+    approx::pow,
+    plan::{LIGHT_DIRECTIONAL, LightPlan},
+    visibility::toward_light,
+};
+
+/// 1 / pi: what a matt white surface reflects in each direction of the light that falls on it.
+pub const INVERSE_PI: f32 = core::f32::consts::FRAC_1_PI;
+
+/// The share of light that a highlight reflects: that of most non-metals seen head-on (an index of refraction of 1.5).
+pub const SPECULAR_REFLECTANCE: f32 = 0.04;
+
+/// What the camera sees where there is nothing: linear colour after exposure, a pale sky.
+pub const BACKGROUND: [f32; 3] = [0.42, 0.55, 0.72];
+
+/// A point of a surface that light falls on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// The point, in metres relative to the scene's origin.
+    pub point: Vec3,
+    /// The shading normal, of unit length.
+    pub normal: Vec3,
+    /// The unit vector toward the viewer.
+    pub toward_viewer: Vec3,
+    /// The share of each colour that is reflected, linear.
+    pub base_color: Vec3,
+    /// The exponent of the highlight.
+    pub shininess: f32,
+}
+
+/// `v` over its length; zero stays zero.
+#[inline]
+#[must_use]
+pub fn normalized(v: Vec3) -> Vec3 {
+    let squared = v.x * v.x + v.y * v.y + v.z * v.z;
+    if squared <= 0.0 {
+        return v;
+    }
+    v / squared.sqrt()
+}
+
+/// How much of its intensity a light sends to a point at `toward`, the vector from the point to the light.
+///
+/// For a directional light 1; for another inverse square in 1 / m^2, the range's window and the cone. Zero at the light itself.
+#[inline]
+#[must_use]
+pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return 1.0;
+    }
+    let squared = toward.x * toward.x + toward.y * toward.y + toward.z * toward.z;
+    if squared <= 0.0 {
+        return 0.0;
+    }
+    let distance = squared.sqrt();
+    let ratio = distance * light.inverse_range;
+    let ratio_squared = ratio * ratio;
+    let window = (1.0 - ratio_squared * ratio_squared).max(0.0);
+    let cosine = -(light.axis[0] * toward.x + light.axis[1] * toward.y + light.axis[2] * toward.z) / distance;
+    let cone = (cosine * light.cone_scale + light.cone_offset).max(0.0).min(1.0);
+    window / squared * (cone * cone)
+}
+
+/// The radiance that a light adds to a surface seen by the viewer, in candela per square metre.
+///
+/// `visibility` is from 0 to 1.
+#[inline]
+#[must_use]
+pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec3 {
+    let toward = toward_light(light, surface.point);
+    let direction = normalized(toward);
+    let cosine = surface.normal.dot(direction).max(0.0);
+    let illuminance = attenuation(light, toward) * cosine * visibility;
+    let half_way = normalized(direction + surface.toward_viewer);
+    let highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
+    // (n + 8) / (8 pi) keeps the reflected light below what arrives, for every exponent n.
+    let specular = SPECULAR_REFLECTANCE * (surface.shininess + 8.0) * 0.125 * INVERSE_PI * highlight;
+    let reflected = surface.base_color * INVERSE_PI + Vec3::new(specular, specular, specular);
+    let intensity = Vec3::new(light.intensity[0], light.intensity[1], light.intensity[2]);
+    intensity * reflected * illuminance
+}
+
+/// The radiance of a surface under light from everywhere, in candela per square metre; `ambient` in lux.
+#[inline]
+#[must_use]
+pub fn shade_ambient(ambient: Vec3, surface: &Surface) -> Vec3 {
+    ambient * surface.base_color * INVERSE_PI
+}
+
+/// The exponent of the highlight that looks like a microfacet surface of this perceptual roughness, 0 to 1.
+///
+/// `2 / alpha^2 - 2` with `alpha = roughness^2` (Karis 2013), kept between 1 and [`MAX_SHININESS`].
+#[must_use]
+pub fn shininess_of_roughness(roughness: f32) -> f32 {
+    let alpha = roughness * roughness;
+    (2.0 / (alpha * alpha) - 2.0).max(1.0).min(MAX_SHININESS)
+}
+
+/// The sharpest highlight: beyond it a highlight of a punctual light is smaller than a pixel of most pictures.
+pub const MAX_SHININESS: f32 = 2048.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::LIGHT_POINT;
+
+    fn surface() -> Surface {
+        Surface { point: Vec3::ZERO, normal: Vec3::Y, toward_viewer: Vec3::Y, base_color: Vec3::ONE, shininess: 10.0 }
+    }
+
+    #[test]
+    fn a_matt_white_plane_reflects_what_lambert_says() {
+        let sun = LightPlan { position: [0.6, 0.8, 0.0], intensity: [1000.0; 3], cone_offset: 1.0, ..LightPlan::default() };
+        let matt = Surface { toward_viewer: -Vec3::Y, ..surface() };
+        let radiance = shade_light(&sun, &matt, 1.0).x;
+        // Seen from below no highlight is possible: 1000 lux at cosine 0.8 over pi.
+        assert!((radiance - 800.0 * INVERSE_PI).abs() < 1e-2, "{radiance}");
+        assert_eq!(shade_light(&sun, &matt, 0.0), Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_highlight_reflects_no_more_than_arrives() {
+        for shininess in [1.0_f32, 10.0, 200.0] {
+            // Integrates the highlight over all directions the light can come from, for a viewer straight above.
+            let mut reflected = 0.0;
+            let steps = 4000;
+            for i in 0..steps {
+                let theta = (i as f32 + 0.5) / steps as f32 * core::f32::consts::FRAC_PI_2;
+                let light = LightPlan {
+                    position: [theta.sin(), theta.cos(), 0.0],
+                    intensity: [1.0; 3],
+                    cone_offset: 1.0,
+                    ..LightPlan::default()
+                };
+                let shiny = Surface { base_color: Vec3::ZERO, shininess, ..surface() };
+                let ring = core::f32::consts::TAU * theta.sin() * core::f32::consts::FRAC_PI_2 / steps as f32;
+                reflected += shade_light(&light, &shiny, 1.0).x * ring;
+            }
+            assert!(reflected < 1.0 * SPECULAR_REFLECTANCE * 1.1, "{reflected} of {SPECULAR_REFLECTANCE} at {shininess}");
+        }
+    }
+
+    #[test]
+    fn a_point_light_falls_off_by_the_square_and_ends_at_its_range() {
+        let light = LightPlan { kind: LIGHT_POINT, inverse_range: 0.1, cone_offset: 1.0, ..LightPlan::default() };
+        assert!((attenuation(&light, Vec3::Y) / attenuation(&light, Vec3::Y * 2.0) - 4.0).abs() < 0.01);
+        assert_eq!(attenuation(&light, Vec3::Y * 10.0), 0.0);
+        assert_eq!(attenuation(&light, Vec3::ZERO), 0.0);
+    }
+}

@@ -1,0 +1,72 @@
+//! Buffers and the views into them, every length checked against the bytes there really are.
+
+use core::fmt::Display;
+use std::borrow::Cow;
+
+use super::{document::Document, error::Result, uri::Folder};
+
+/// The contents of a file's buffers.
+#[derive(Debug)]
+pub(super) struct Buffers<'a> {
+    contents: Vec<Cow<'a, [u8]>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Loads every buffer; each is then exactly as long as its `byteLength`.
+    ///
+    /// `bin` is what the binary container holds.
+    pub(super) fn load(document: &Document, folder: Folder<'_>, bin: Option<&'a [u8]>) -> Result<Self> {
+        let mut contents = Vec::new();
+        for (i, buffer) in document.root.buffers.iter().enumerate() {
+            let length = buffer.byte_length.0;
+            if length == 0 {
+                return Err(document.invalid(format_args!("buffers[{i}].byteLength"), "a buffer must have at least 1 byte"));
+            }
+            contents.push(match (&buffer.uri, bin) {
+                (Some(uri), _) => {
+                    let mut bytes = folder.read(document, uri, Some(length), format_args!("buffers[{i}]"))?;
+                    bytes.truncate(length as usize);
+                    Cow::Owned(bytes)
+                }
+                (None, Some(bin)) if i == 0 => Cow::Borrowed(usize::try_from(length).ok().and_then(|length| bin.get(..length)).ok_or_else(
+                    || {
+                        document.invalid(
+                            format_args!("buffers[{i}].byteLength"),
+                            format_args!("is {length}, but the BIN chunk has only {} bytes; the file was cut short", bin.len()),
+                        )
+                    },
+                )?),
+                (None, _) => {
+                    let problem = "has neither a `uri` nor a BIN chunk to take its bytes from; export the file again";
+                    return Err(document.invalid(format_args!("buffers[{i}]"), problem));
+                }
+            });
+        }
+        Ok(Self { contents })
+    }
+
+    /// The bytes of a buffer view. `place` is what uses it.
+    pub(super) fn view(&self, document: &Document, view: usize, place: impl Display) -> Result<&[u8]> {
+        // `Document` guarantees both indices, and `load` that there is a content for each buffer.
+        let json = &document.root.buffer_views[view];
+        let buffer = &self.contents[json.buffer.value()];
+        let offset = json.byte_offset.map_or(0, |offset| offset.0);
+        let length = json.byte_length.0;
+        slice(buffer, offset, length).ok_or_else(|| {
+            document.invalid(
+                place,
+                format_args!(
+                    "bufferViews[{view}] is {length} bytes from byte {offset} on, but buffers[{}] has {} bytes; export the file again",
+                    json.buffer,
+                    buffer.len()
+                ),
+            )
+        })
+    }
+}
+
+/// `length` bytes from `offset` on; `None` if there are not as many.
+pub(super) fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    let end = usize::try_from(offset.checked_add(length)?).ok()?;
+    bytes.get(usize::try_from(offset).ok()?..end)
+}

@@ -1,0 +1,93 @@
+//! Why a glTF file cannot be imported.
+
+use std::io;
+
+use crate::builder::SceneError;
+
+/// Why a glTF file cannot be imported.
+///
+/// Every message names the file, and where there is one the place in it as a JSON path such as
+/// `meshes[3].primitives[0].attributes.POSITION`.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// The file itself cannot be read.
+    #[error("{file}: cannot be read: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The file is neither JSON nor a binary glTF container, or the container is damaged.
+    #[error("{file}: {problem}")]
+    Container {
+        /// The file.
+        file: String,
+        /// What is wrong, and the way out.
+        problem: String,
+    },
+    /// The JSON is not well-formed.
+    #[error("{file}: the JSON is not well-formed: {source}; export the file again")]
+    Json {
+        /// The file.
+        file: String,
+        /// What is wrong; line and column count from the start of the JSON.
+        source: serde_json::Error,
+    },
+    /// The file demands another version of glTF.
+    #[error("{file}: {place} is \"{version}\", but only glTF 2.0 is understood; export the file as glTF 2.0")]
+    Version {
+        /// The file.
+        file: String,
+        /// `asset.version` or `asset.minVersion`.
+        place: &'static str,
+        /// The version it demands.
+        version: String,
+    },
+    /// The file cannot be drawn without an extension that is not supported.
+    #[error("{file}: {place}: the extension {name} is required, but it is not supported; {advice}")]
+    Extension {
+        /// The file.
+        file: String,
+        /// The JSON path of the entry.
+        place: String,
+        /// The extension.
+        name: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// Something in the file is not as glTF demands, or beyond a limit.
+    #[error("{file}: {place}: {problem}")]
+    Invalid {
+        /// The file.
+        file: String,
+        /// The JSON path.
+        place: String,
+        /// What is wrong: the value, the limit and the way out.
+        problem: String,
+    },
+    /// A file that this one refers to cannot be read.
+    #[error("{file}: {place}: `{path}` cannot be read: {source}; put it beside the glTF file")]
+    Resource {
+        /// The file.
+        file: String,
+        /// The JSON path.
+        place: String,
+        /// The file that is missing, relative to the glTF file's folder.
+        path: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// What the file contains makes no scene.
+    #[error("{file}: {source}")]
+    Scene {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: Box<SceneError>,
+    },
+}
+
+/// The result of a step of the import.
+pub(super) type Result<T> = core::result::Result<T, ImportError>;

@@ -1,0 +1,277 @@
+//! The scene: fully resolved geometry, materials, lights and cameras.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use shadow_math::{Camera, Light, bounds::Aabb};
+
+/// Everything that is drawn, resolved: there is no hierarchy, no unit to convert and no default left to fill in.
+///
+/// # Guarantees
+///
+/// [`SceneBuilder::build`](crate::SceneBuilder::build) is the only way to make one, and it has seen to it that
+/// - every position is finite, and the streams of [`Vertices`] are equally long;
+/// - every index of a triangle names a vertex, every material and image that is named exists;
+/// - front faces wind counter-clockwise as seen from outside, whatever the transforms of the file were;
+/// - triangles are sorted by [`Pass`], so that each pass draws one run of [`Scene::pass_triangles`], and within a pass
+///   in the order they were added.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(crate) origin: DVec3,
+    pub(crate) vertices: Vertices,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) triangle_materials: Vec<u32>,
+    pub(crate) pass_triangles: [Range<u32>; Pass::COUNT],
+    pub(crate) instances: Vec<Instance>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) images: Vec<Image>,
+    pub(crate) lights: Vec<SceneLight>,
+    pub(crate) cameras: Vec<SceneCamera>,
+    pub(crate) bounds: Aabb,
+    pub(crate) notes: Vec<String>,
+}
+
+/// The vertex streams: separate arrays, one entry per vertex in each.
+#[derive(Clone, Debug, Default)]
+pub struct Vertices {
+    /// Positions in metres relative to the scene's origin.
+    pub positions: Vec<Vec3>,
+    /// Shading normals in world space, of unit length (zero where the file's normal has no direction).
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates; origin at the top left corner.
+    pub uvs: Vec<Vec2>,
+    /// Vertex colours, linear, and alpha.
+    pub colors: Vec<Vec4>,
+}
+
+/// The four runs that triangles are sorted into, in the order in which they are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Pass {
+    /// Opaque, back faces culled by the camera.
+    OpaqueSingleSided = 0,
+    /// Opaque, both faces drawn.
+    OpaqueDoubleSided = 1,
+    /// Alpha-tested, back faces culled by the camera.
+    MaskSingleSided = 2,
+    /// Alpha-tested, both faces drawn.
+    MaskDoubleSided = 3,
+}
+
+impl Pass {
+    /// How many passes there are.
+    pub const COUNT: usize = 4;
+    /// All passes in the order in which they are drawn.
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::OpaqueSingleSided, Self::OpaqueDoubleSided, Self::MaskSingleSided, Self::MaskDoubleSided];
+
+    /// Whether triangles of this pass are alpha-tested.
+    #[must_use]
+    pub fn is_masked(self) -> bool {
+        matches!(self, Self::MaskSingleSided | Self::MaskDoubleSided)
+    }
+
+    /// Whether the camera culls back faces in this pass. Casters are never culled.
+    #[must_use]
+    pub fn culls_back_faces(self) -> bool {
+        matches!(self, Self::OpaqueSingleSided | Self::MaskSingleSided)
+    }
+}
+
+/// One drawn instance of a mesh: its name and the bounds of what it adds to the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    /// The node's or mesh's name, for messages; may be empty.
+    pub name: String,
+    /// The bounds of its triangles, in metres relative to the scene's origin.
+    pub bounds: Aabb,
+    /// How many triangles it has.
+    pub triangle_count: u32,
+}
+
+/// How a material treats its alpha.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alpha {
+    /// Alpha is ignored. Blended materials are opaque too, for shadows and for the camera.
+    Opaque,
+    /// Where alpha is below the cutoff there is no surface.
+    Mask {
+        /// The smallest alpha that is still there; 0.5 unless the file says otherwise.
+        cutoff: f32,
+    },
+}
+
+/// A surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The name, for messages; may be empty.
+    pub name: String,
+    /// The base colour, linear, and alpha.
+    pub base_color: Vec4,
+    /// The texture that multiplies it.
+    pub texture: Option<Texture>,
+    /// How alpha is treated.
+    pub alpha: Alpha,
+    /// Whether both sides are drawn.
+    pub double_sided: bool,
+    /// Perceptual roughness, 0 to 1, as glTF's `roughnessFactor`.
+    pub roughness: f32,
+}
+
+impl Material {
+    /// White, matt, opaque, single-sided: glTF's default but for its roughness-1 metal.
+    #[must_use]
+    pub fn white() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            texture: None,
+            alpha: Alpha::Opaque,
+            double_sided: false,
+            roughness: 1.0,
+        }
+    }
+
+    /// The pass that draws it.
+    #[must_use]
+    pub fn pass(&self) -> Pass {
+        match (self.alpha, self.double_sided) {
+            (Alpha::Opaque, false) => Pass::OpaqueSingleSided,
+            (Alpha::Opaque, true) => Pass::OpaqueDoubleSided,
+            (Alpha::Mask { .. }, false) => Pass::MaskSingleSided,
+            (Alpha::Mask { .. }, true) => Pass::MaskDoubleSided,
+        }
+    }
+}
+
+/// How a texture continues beyond its edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// It repeats.
+    Repeat,
+    /// The edge's texels continue.
+    ClampToEdge,
+    /// It repeats, every other time mirrored.
+    MirroredRepeat,
+}
+
+/// A use of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// The index of the image in the scene.
+    pub image: u32,
+    /// How it continues to the sides.
+    pub wrap_u: Wrap,
+    /// How it continues up and down.
+    pub wrap_v: Wrap,
+}
+
+/// A picture: sRGB colour and linear alpha, 8 bits each, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// `width * height` texels, red first.
+    pub texels: Vec<[u8; 4]>,
+}
+
+/// A light with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLight {
+    /// The name, for messages; may be empty.
+    pub name: String,
+    /// The light, relative to the scene's origin.
+    pub light: Light,
+}
+
+/// A camera with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneCamera {
+    /// The name, for messages and to choose it by; may be empty.
+    pub name: String,
+    /// The camera, relative to the scene's origin.
+    pub camera: Camera,
+}
+
+impl Scene {
+    /// The point, in metres of the file's world space, that all coordinates of the scene are relative to.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The vertex streams.
+    #[must_use]
+    pub fn vertices(&self) -> &Vertices {
+        &self.vertices
+    }
+
+    /// Three vertex indices for each triangle; counter-clockwise seen from the front.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The material's index for each triangle.
+    #[must_use]
+    pub fn triangle_materials(&self) -> &[u32] {
+        &self.triangle_materials
+    }
+
+    /// The run of triangles that a pass draws.
+    #[must_use]
+    pub fn pass_triangles(&self, pass: Pass) -> Range<u32> {
+        self.pass_triangles[pass as usize].clone()
+    }
+
+    /// The drawn instances.
+    #[must_use]
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The materials.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The images that textures use.
+    #[must_use]
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
+    /// The lights.
+    #[must_use]
+    pub fn lights(&self) -> &[SceneLight] {
+        &self.lights
+    }
+
+    /// The cameras.
+    #[must_use]
+    pub fn cameras(&self) -> &[SceneCamera] {
+        &self.cameras
+    }
+
+    /// The bounds of every triangle.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// What a person should know about how the scene was made: defaults that were chosen, parts that were left out.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The same scene under other lights.
+    #[must_use]
+    pub fn with_lights(mut self, lights: Vec<SceneLight>) -> Self {
+        self.lights = lights;
+        self
+    }
+}
