@@ -53,6 +53,7 @@ compile_error!("shadow-math needs square roots and trigonometry: enable the feat
 
 mod float;
 
+pub mod vector;
 pub mod spaces;
 pub mod bounds;
 pub mod camera;

@@ -4,7 +4,7 @@
 
 use glam::{Vec2, Vec4};
 
-/// [`MaterialData::texture`] of a material without a texture.
+/// [`TextureData::first_word`] of a material without a texture.
 pub const NO_TEXTURE: u32 = u32::MAX;
 
 /// Bit of [`MaterialData::flags`]: texels whose alpha is below the cutoff do not exist (glTF's `alphaMode` MASK).
@@ -22,6 +22,27 @@ pub const WRAP_MIRROR: u32 = 2;
 /// The number of entries of the table that begins the texel buffer: see [`crate::srgb::decode_table`].
 pub const DECODE_TABLE_LEN: u32 = 256;
 
+/// A texture as both renderers read it: where its texels lie in the texel buffer, and how it wraps.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct TextureData {
+    /// The index of the first texel's word, or [`NO_TEXTURE`]. The buffer begins with [`DECODE_TABLE_LEN`] words of decode table.
+    pub first_word: u32,
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// How u wraps: [`WRAP_REPEAT`], [`WRAP_CLAMP`] or [`WRAP_MIRROR`].
+    pub wrap_u: u32,
+    /// How v wraps.
+    pub wrap_v: u32,
+}
+
+impl TextureData {
+    /// No texture.
+    pub const NONE: Self = Self { first_word: NO_TEXTURE, width: 1, height: 1, wrap_u: WRAP_REPEAT, wrap_v: WRAP_REPEAT };
+}
+
 /// A material as both renderers read it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -32,28 +53,10 @@ pub struct MaterialData {
     pub alpha_cutoff: f32,
     /// [`FLAG_MASK`] and [`FLAG_DOUBLE_SIDED`].
     pub flags: u32,
-    /// The index of the base colour's [`TextureData`], or [`NO_TEXTURE`].
-    pub texture: u32,
     /// The exponent of the Blinn-Phong highlight, at least 1.
     pub shininess: f32,
-}
-
-/// A texture as both renderers read it: where its texels lie in the texel buffer, and how it wraps.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct TextureData {
-    /// The index of the first texel's word. The buffer begins with [`DECODE_TABLE_LEN`] words of decode table.
-    pub first_word: u32,
-    /// Width in texels, at least 1.
-    pub width: u32,
-    /// Height in texels, at least 1.
-    pub height: u32,
-    /// How u wraps: [`WRAP_REPEAT`], [`WRAP_CLAMP`] or [`WRAP_MIRROR`].
-    pub wrap_u: u32,
-    /// How v wraps.
-    pub wrap_v: u32,
-    /// Padding to 32 bytes.
-    pub padding: [u32; 3],
+    /// The texture that multiplies the base colour.
+    pub texture: TextureData,
 }
 
 /// The texel index that `index` wraps to on an axis of `size` texels.
@@ -132,10 +135,10 @@ fn floor(x: f32) -> f32 {
 /// The material's colour and alpha at a point, before light: factor times texture times vertex colour.
 #[inline]
 #[must_use]
-pub fn base_color(material: &MaterialData, textures: &[TextureData], words: &[u32], uv: Vec2, vertex_color: Vec4) -> Vec4 {
+pub fn base_color(material: &MaterialData, words: &[u32], uv: Vec2, vertex_color: Vec4) -> Vec4 {
     let mut color = Vec4::from_array(material.base_color) * vertex_color;
-    if material.texture != NO_TEXTURE {
-        color *= sample_texture(words, &textures[material.texture as usize], uv);
+    if material.texture.first_word != NO_TEXTURE {
+        color *= sample_texture(words, &material.texture, uv);
     }
     color
 }
@@ -152,7 +155,7 @@ mod tests {
         }
         words[256] = 0xffff_ffff;
         words[259] = 0xffff_ffff;
-        (words, TextureData { first_word: 256, width: 2, height: 2, wrap_u: wrap, wrap_v: wrap, padding: [0; 3] })
+        (words, TextureData { first_word: 256, width: 2, height: 2, wrap_u: wrap, wrap_v: wrap })
     }
 
     #[test]

@@ -6,10 +6,12 @@
 
 use glam::Vec3;
 
+#[cfg(not(feature = "std"))]
+use crate::float::FloatFuncs;
 use crate::{
     approx::pow,
-    plan::{LIGHT_DIRECTIONAL, LightPlan},
-    visibility::toward_light,
+    plan::{LIGHT_DIRECTIONAL, LightPlan, toward_light},
+    vector::normalized,
 };
 
 /// 1 / pi: what a matt white surface reflects in each direction of the light that falls on it.
@@ -17,6 +19,10 @@ pub const INVERSE_PI: f32 = core::f32::consts::FRAC_1_PI;
 
 /// The share of light that a highlight reflects: that of most non-metals seen head-on (an index of refraction of 1.5).
 pub const SPECULAR_REFLECTANCE: f32 = 0.04;
+
+/// The highlight's strength over `n + 8`: with `(n + 8) / (8 pi)` no exponent n reflects more light than arrives. One constant, since a
+/// shader compiler may join a product of several.
+pub const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
 
 /// What the camera sees where there is nothing: linear colour after exposure, a pale sky.
 pub const BACKGROUND: [f32; 3] = [0.42, 0.55, 0.72];
@@ -34,17 +40,6 @@ pub struct Surface {
     pub base_color: Vec3,
     /// The exponent of the highlight.
     pub shininess: f32,
-}
-
-/// `v` over its length; zero stays zero.
-#[inline]
-#[must_use]
-pub fn normalized(v: Vec3) -> Vec3 {
-    let squared = v.x * v.x + v.y * v.y + v.z * v.z;
-    if squared <= 0.0 {
-        return v;
-    }
-    v / squared.sqrt()
 }
 
 /// How much of its intensity a light sends to a point at `toward`, the vector from the point to the light.
@@ -81,8 +76,7 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
     let highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
-    // (n + 8) / (8 pi) keeps the reflected light below what arrives, for every exponent n.
-    let specular = SPECULAR_REFLECTANCE * (surface.shininess + 8.0) * 0.125 * INVERSE_PI * highlight;
+    let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
     let reflected = surface.base_color * INVERSE_PI + Vec3::new(specular, specular, specular);
     let intensity = Vec3::new(light.intensity[0], light.intensity[1], light.intensity[2]);
     intensity * reflected * illuminance

@@ -8,7 +8,8 @@ use crate::{
     bias::depth_bias,
     filter::filtered_test,
     fit::cube_face_of,
-    plan::{LIGHT_DIRECTIONAL, LightPlan, SPLIT_CUBE, ViewPlan},
+    plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    vector::row_times_point,
 };
 
 /// The way to the shadow maps.
@@ -48,24 +49,6 @@ pub struct Lookup {
 #[inline]
 fn known(visibility: f32) -> Lookup {
     Lookup { view: NO_VIEW, known: visibility, texel: Vec2::ZERO, depth: 0.0, bias: 0.0 }
-}
-
-/// A row of a matrix times a point.
-#[inline]
-#[must_use]
-pub fn row_times_point(row: [f32; 4], point: Vec3) -> f32 {
-    row[0] * point.x + row[1] * point.y + row[2] * point.z + row[3]
-}
-
-/// The vector from a point to the light: of unit length for a directional light, else in metres.
-#[inline]
-#[must_use]
-pub fn toward_light(light: &LightPlan, point: Vec3) -> Vec3 {
-    let position = Vec3::new(light.position[0], light.position[1], light.position[2]);
-    if light.kind == LIGHT_DIRECTIONAL {
-        return position;
-    }
-    position - point
 }
 
 /// What a receiver asks of the maps of a light. `views` are all views of the frame.

@@ -1,6 +1,7 @@
 //! The plan's data. `plan.wgsl` repeats these structs; a test compares every offset.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// The most views of one light: the faces of a cube.
 pub const MAX_VIEWS_PER_LIGHT: usize = 6;
@@ -157,4 +158,15 @@ pub struct ViewPlan {
     pub depth_kind: u32,
     /// The rectangle within the layer: x, y, width, height in texels.
     pub rect: [u32; 4],
+}
+
+/// The vector from a point to the light: of unit length for a directional light, else in metres. Mirrored by `light.wgsl`.
+#[inline]
+#[must_use]
+pub fn toward_light(light: &LightPlan, point: Vec3) -> Vec3 {
+    let position = Vec3::new(light.position[0], light.position[1], light.position[2]);
+    if light.kind == LIGHT_DIRECTIONAL {
+        return position;
+    }
+    position - point
 }

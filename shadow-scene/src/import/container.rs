@@ -25,7 +25,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>> {
     if bytes.starts_with(MAGIC) {
         return split_binary(bytes).map_err(|problem| ImportError::Container { file: file.into(), problem });
     }
-    let json = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let json = without_mark(bytes);
     if json.trim_ascii_start().starts_with(b"{") {
         return Ok(Container { json, bin: None });
     }
@@ -36,6 +36,11 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>> {
         format!("the file starts with {start:?}; a glTF file is JSON text (.gltf) or starts with the letters glTF (.glb)")
     };
     Err(ImportError::Container { file: file.into(), problem })
+}
+
+/// The text behind its byte order mark, if it has one.
+fn without_mark(json: &[u8]) -> &[u8] {
+    json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json)
 }
 
 /// Takes a binary container apart; see section 4.4 of the glTF 2.0 specification.
@@ -57,15 +62,16 @@ fn split_binary(bytes: &[u8]) -> core::result::Result<Container<'_>, String> {
     let json = next_chunk(&mut rest, b"JSON")?
         .ok_or("the first chunk of the binary container is not of type JSON; export the file again")?;
     // Some exporters pad the text with zeros although glTF demands spaces.
-    let padding = json.iter().rev().take_while(|&&byte| byte == 0).count();
-    let json = &json[..json.len() - padding];
+    let padding = json.iter().rev().take_while(|&&byte| byte == 0 || byte == b' ').count();
+    let json = without_mark(&json[..json.len() - padding]);
     let bin = if rest.is_empty() { None } else { next_chunk(&mut rest, b"BIN\0")? };
     Ok(Container { json, bin })
 }
 
 /// Takes the next chunk off `rest`; `None` if it is of another type.
 fn next_chunk<'a>(rest: &mut &'a [u8], kind: &[u8; 4]) -> core::result::Result<Option<&'a [u8]>, String> {
-    let name = kind.escape_ascii();
+    let name = String::from_utf8_lossy(kind);
+    let name = name.trim_end_matches('\0');
     let Some((header, body)) = rest.split_at_checked(CHUNK_HEADER_LEN) else {
         return Err(format!("the header of the {name} chunk has {} bytes of {CHUNK_HEADER_LEN}; the file was cut short", rest.len()));
     };
@@ -108,7 +114,7 @@ mod tests {
         assert_eq!((text.json, text.bin), (&b" {}"[..], None));
         let bytes = glb(&[chunk(b"JSON", b"{}  "), chunk(b"BIN\0", &[1, 2, 3, 4])]);
         let binary = split("a.glb", &bytes).unwrap();
-        assert_eq!((binary.json, binary.bin), (&b"{}  "[..], Some(&[1, 2, 3, 4][..])));
+        assert_eq!((binary.json, binary.bin), (&b"{}"[..], Some(&[1, 2, 3, 4][..])));
     }
 
     #[test]

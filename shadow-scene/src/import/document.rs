@@ -112,9 +112,21 @@ impl Document {
         self.root.extensions_used.iter().map(String::as_str).filter(|name| !SUPPORTED.contains(name))
     }
 
-    /// The checks of the `gltf` crate, and before them the one it forgets.
+    /// The checks of the `gltf` crate, and before them those it forgets.
     fn validate(&self) -> Result<()> {
         use validation::Validate as _;
+        let node_count = self.root.nodes.len();
+        for (a, animation) in self.root.animations.iter().enumerate() {
+            for (c, channel) in animation.channels.iter().enumerate() {
+                let node = channel.target.node;
+                if node.value() >= node_count {
+                    return Err(self.invalid(
+                        format_args!("animations[{a}].channels[{c}].target.node"),
+                        format_args!("names node {node}, but there are {node_count}; export the file again"),
+                    ));
+                }
+            }
+        }
         let accessor_count = self.root.accessors.len();
         for (m, mesh) in self.root.meshes.iter().enumerate() {
             for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -126,7 +138,7 @@ impl Document {
                         };
                         return Err(self.invalid(
                             format_args!("meshes[{m}].primitives[{p}].attributes.{name}"),
-                            format_args!("names accessor {accessor}, but there are {accessor_count}"),
+                            format_args!("names accessor {accessor}, but there are {accessor_count}; export the file again"),
                         ));
                     }
                 }
@@ -141,7 +153,10 @@ impl Document {
         });
         match first {
             None => Ok(()),
-            Some((path, error)) => Err(self.invalid(path, describe(error))),
+            // Its paths have Rust's name for the one extension that they can lead through.
+            Some((path, error)) => {
+                Err(self.invalid(path.as_str().replace("khrLightsPunctual", "KHR_lights_punctual"), describe(error)))
+            }
         }
     }
 }
@@ -190,8 +205,7 @@ fn check_version(file: &str, raw: &Value) -> Result<()> {
         // A later minor version is compatible, unless the file says that it needs it.
         let understood = number.is_some_and(|(major, minor)| major == 2 && (place == "asset.version" || minor == 0));
         if !understood {
-            let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
-            return Err(ImportError::Version { file: file.into(), place, version });
+            return Err(ImportError::Version { file: file.into(), place, version: version.to_string() });
         }
     }
     Ok(())
@@ -216,10 +230,11 @@ fn check_required_extensions(file: &str, raw: &Value) -> Result<()> {
 
 /// Makes valid files acceptable to [`Root`], which demands more than glTF does.
 fn supply_what_root_demands(raw: &mut Value) {
-    // Every channel must name a node, which those of this extension do not.
-    let uses_pointers = raw["extensionsUsed"].as_array().is_some_and(|names| names.iter().any(|n| n == "KHR_animation_pointer"));
-    if uses_pointers && let Some(root) = raw.as_object_mut() {
-        root.remove("animations");
+    // A channel must name a node; glTF has those without one ignored.
+    for animation in raw.get_mut("animations").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
+            channels.retain(|channel| channel["target"].get("node").is_some() || !channel["target"].is_object());
+        }
     }
     // A scene must list its nodes, even if it has none.
     for scene in raw.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {

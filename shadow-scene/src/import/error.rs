@@ -36,13 +36,13 @@ pub enum ImportError {
         source: serde_json::Error,
     },
     /// The file demands another version of glTF.
-    #[error("{file}: {place} is \"{version}\", but only glTF 2.0 is understood; export the file as glTF 2.0")]
+    #[error("{file}: {place} is {version}, but only glTF 2.0 is understood; export the file as glTF 2.0")]
     Version {
         /// The file.
         file: String,
         /// `asset.version` or `asset.minVersion`.
         place: &'static str,
-        /// The version it demands.
+        /// The version it demands, as JSON.
         version: String,
     },
     /// The file cannot be drawn without an extension that is not supported.

@@ -1,0 +1,268 @@
+//! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
+
+use std::time::Instant;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+
+use crate::{
+    raster::{MAX_TARGET_SIZE, Positions, RasterRules, Run, Target, rasterize_depth, rasterize_visibility},
+    resolve::{SceneAlphaTest, SceneView, ShadowMaps, resolve_color, resolve_visibility},
+};
+
+/// Why the CPU renderer cannot do what was asked for.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CpuError {
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads: {source}")]
+    Threads {
+        /// How many were asked for; 0 for one a core.
+        threads: usize,
+        /// What the system said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The picture is too large.
+    #[error("a picture of {width} x {height} pixels is larger than the CPU renderer's limit of {MAX_TARGET_SIZE} on a side; render it smaller")]
+    PictureSize {
+        /// The width in pixels.
+        width: u32,
+        /// The height in pixels.
+        height: u32,
+    },
+}
+
+/// A renderer with its threads.
+#[derive(Debug)]
+pub struct CpuRenderer {
+    pool: ThreadPool,
+    rules: RasterRules,
+}
+
+/// A scene in the form that the CPU renderer works on.
+#[derive(Debug)]
+pub struct PreparedScene<'a> {
+    scene: &'a Scene,
+    positions: Positions,
+    surfaces: Surfaces,
+}
+
+impl PreparedScene<'_> {
+    /// The scene with its surfaces.
+    #[must_use]
+    pub fn view(&self) -> SceneView<'_> {
+        SceneView { scene: self.scene, surfaces: &self.surfaces }
+    }
+}
+
+/// What the camera sees: the visibility buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraBuffer {
+    /// The triangle of each pixel.
+    pub triangles: Vec<u32>,
+    /// The reversed depth of each pixel.
+    pub depth: Vec<f32>,
+}
+
+/// A frame and how long it took.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The layers that were asked for.
+    pub frame: Frame,
+    /// How long each stage took; `prepare` is 0 here and counted where the scene was prepared.
+    pub times: StageTimes,
+}
+
+impl CpuRenderer {
+    /// A renderer with `threads` threads, 0 for one a core, that follows these rules where WebGPU leaves a choice.
+    ///
+    /// # Errors
+    ///
+    /// [`CpuError::Threads`].
+    pub fn new(threads: usize, rules: RasterRules) -> Result<Self, CpuError> {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|index| format!("shadow-cpu {index}"))
+            .build()
+            .map_err(|source| CpuError::Threads { threads, source })?;
+        Ok(Self { pool, rules })
+    }
+
+    /// How many threads the renderer has.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Brings a scene into the renderer's own form.
+    #[must_use]
+    pub fn prepare<'a>(&self, scene: &'a Scene) -> PreparedScene<'a> {
+        PreparedScene { scene, positions: Positions::new(&scene.vertices().positions), surfaces: Surfaces::of(scene) }
+    }
+
+    /// Renders all shadow maps of a plan.
+    #[must_use]
+    pub fn shadow_maps(&self, prepared: &PreparedScene<'_>, plan: &FramePlan) -> ShadowMaps {
+        let size = plan.map_size;
+        let layers = plan.views.iter().map(|view| {
+            let target = Target {
+                clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w],
+                width: size,
+                height: size,
+            };
+            let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
+            // Casters are never culled: a single-sided wall shadows from behind too.
+            let runs = runs(prepared.scene, false);
+            let mut depth = vec![0.0; size as usize * size as usize];
+            self.pool.install(|| {
+                let triangles = prepared.scene.triangles();
+                rasterize_depth(&prepared.positions, triangles, &runs, &target, &self.rules, &alpha_test, &mut depth);
+            });
+            depth
+        });
+        ShadowMaps { size, layers: layers.collect() }
+    }
+
+    /// Renders what the camera sees.
+    ///
+    /// # Errors
+    ///
+    /// [`CpuError::PictureSize`].
+    pub fn camera(&self, prepared: &PreparedScene<'_>, plan: &FramePlan) -> Result<CameraBuffer, CpuError> {
+        let camera = &plan.camera;
+        if camera.width.max(camera.height) > MAX_TARGET_SIZE {
+            return Err(CpuError::PictureSize { width: camera.width, height: camera.height });
+        }
+        let target = Target {
+            clip_rows: [camera.clip_x, camera.clip_y, camera.clip_z, camera.clip_w],
+            width: camera.width,
+            height: camera.height,
+        };
+        let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &camera.rays };
+        let runs = runs(prepared.scene, true);
+        let pixels = camera.width as usize * camera.height as usize;
+        let mut buffer = CameraBuffer { triangles: vec![0; pixels], depth: vec![0.0; pixels] };
+        self.pool.install(|| {
+            rasterize_visibility(
+                &prepared.positions,
+                prepared.scene.triangles(),
+                &runs,
+                &target,
+                &self.rules,
+                &alpha_test,
+                &mut buffer.depth,
+                &mut buffer.triangles,
+            );
+        });
+        Ok(buffer)
+    }
+
+    /// The visibility of every light at every pixel, the lights of a pixel side by side.
+    #[must_use]
+    pub fn visibility(
+        &self,
+        prepared: &PreparedScene<'_>,
+        plan: &FramePlan,
+        camera: &CameraBuffer,
+        maps: &ShadowMaps,
+    ) -> Vec<f32> {
+        self.pool.install(|| resolve_visibility(prepared.view(), plan, &camera.triangles, maps))
+    }
+
+    /// The colour of every pixel.
+    #[must_use]
+    pub fn color(
+        &self,
+        prepared: &PreparedScene<'_>,
+        plan: &FramePlan,
+        camera: &CameraBuffer,
+        visibility: &[f32],
+    ) -> Vec<[f32; 4]> {
+        self.pool.install(|| resolve_color(prepared.view(), plan, &camera.triangles, visibility))
+    }
+
+    /// Renders a frame: all stages in a row.
+    ///
+    /// # Errors
+    ///
+    /// [`CpuError::PictureSize`].
+    pub fn render(&self, prepared: &PreparedScene<'_>, plan: &FramePlan, request: Request) -> Result<Rendered, CpuError> {
+        let start = Instant::now();
+        let camera = self.camera(prepared, plan)?;
+        let camera_done = Instant::now();
+        let maps = self.shadow_maps(prepared, plan);
+        let maps_done = Instant::now();
+        let visibility = self.visibility(prepared, plan, &camera, &maps);
+        let color = request.color.then(|| self.color(prepared, plan, &camera, &visibility));
+        let shading_done = Instant::now();
+        let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+        let times = StageTimes {
+            prepare: 0.0,
+            camera: milliseconds(start, camera_done),
+            shadow_maps: milliseconds(camera_done, maps_done),
+            shading: milliseconds(maps_done, shading_done),
+        };
+        Ok(Rendered { frame: into_frame(plan, request, camera, maps, &visibility, color), times })
+    }
+}
+
+/// The runs of triangles that a pass over the scene draws.
+fn runs(scene: &Scene, cull_single_sided: bool) -> Vec<Run> {
+    Pass::ALL
+        .iter()
+        .map(|&pass| Run {
+            triangles: scene.pass_triangles(pass),
+            culls_back_faces: cull_single_sided && pass.culls_back_faces(),
+            is_masked: pass.is_masked(),
+        })
+        .collect()
+}
+
+/// Names the layers that were asked for.
+fn into_frame(
+    plan: &FramePlan,
+    request: Request,
+    camera: CameraBuffer,
+    maps: ShadowMaps,
+    visibility: &[f32],
+    color: Option<Vec<[f32; 4]>>,
+) -> Frame {
+    let CameraPlanSize { width, height } = CameraPlanSize::of(plan);
+    let mut layers = Vec::new();
+    if request.camera {
+        layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(camera.triangles) });
+        layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(camera.depth) });
+    }
+    if request.shadow_maps {
+        let mut maps_layers = maps.layers.into_iter();
+        for (light, light_plan) in plan.lights.iter().enumerate() {
+            for (view, depth) in maps_layers.by_ref().take(light_plan.view_count as usize).enumerate() {
+                let name = LayerName::ShadowMap { light: light as u32, view: view as u32 };
+                layers.push(Layer { name, width: maps.size, height: maps.size, pixels: Pixels::Float(depth) });
+            }
+        }
+    }
+    if request.visibility {
+        for light in 0..plan.lights.len() {
+            let values = visibility.iter().skip(light).step_by(plan.lights.len()).copied().collect();
+            let name = LayerName::Visibility { light: light as u32 };
+            layers.push(Layer { name, width, height, pixels: Pixels::Float(values) });
+        }
+    }
+    if let Some(color) = color {
+        layers.push(Layer { name: LayerName::Color, width, height, pixels: Pixels::Rgba(color) });
+    }
+    Frame { layers }
+}
+
+/// The size of the picture.
+struct CameraPlanSize {
+    width: u32,
+    height: u32,
+}
+
+impl CameraPlanSize {
+    fn of(plan: &FramePlan) -> Self {
+        Self { width: plan.camera.width, height: plan.camera.height }
+    }
+}

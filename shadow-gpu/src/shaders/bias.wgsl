@@ -1,0 +1,47 @@
+// Depth bias: mirrors shadow-math/src/bias.rs.
+
+const MAX_DEPTH_BIAS: f32 = 1.0;
+const GRADIENT_MARGIN: f32 = 1.00006103515625;
+const MAX_GRADIENT: f32 = 3.40282347e+38;
+
+fn normal_derivative(column: vec4f, point: vec3f, normal: vec3f) -> f32 {
+    let x = column.x - point.x * column.w;
+    let y = column.y - point.y * column.w;
+    let z = column.z - point.z * column.w;
+    return normal.x * x + normal.y * y + normal.z * z;
+}
+
+fn depth_gradient(view: u32, point: vec3f, normal: vec3f) -> vec2f {
+    let along_x = normal_derivative(views[view].world_from_texel_x, point, normal);
+    let along_y = normal_derivative(views[view].world_from_texel_y, point, normal);
+    let along_depth = normal_derivative(views[view].world_from_depth, point, normal);
+    if along_depth == 0.0 {
+        return vec2f(MAX_GRADIENT, MAX_GRADIENT);
+    }
+    return vec2f(-(along_x / along_depth), -(along_y / along_depth));
+}
+
+fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
+    let w_before = w - views[view].w_per_metre * metres;
+    if w_before <= 0.0 {
+        return MAX_DEPTH_BIAS;
+    }
+    return views[view].depth_factor * metres / (w * w_before);
+}
+
+fn depth_bias(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+    if lights[light].bias == BIAS_NONE {
+        return 0.0;
+    }
+    var bias = metres_to_depth(view, w, lights[light].bias_metres);
+    if lights[light].bias == BIAS_SLOPE {
+        let gradient = depth_gradient(view, point, normal);
+        let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
+        let rounding_texels = views[view].rounding_texels;
+        let rounding_depth = views[view].rounding_depth;
+        let texels = support(lights[light].filter_kind) * lights[light].slope_scale
+            + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
+        bias = bias + (slope * texels + (rounding_depth.x + rounding_depth.y / w));
+    }
+    return min(bias, MAX_DEPTH_BIAS);
+}

@@ -1,0 +1,34 @@
+// The camera pass: which triangle each pixel shows. Vertices are pulled, so that every vertex knows its triangle.
+
+@group(2) @binding(0) var<uniform> camera: CameraPlan;
+
+struct CameraVertex {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat, first) triangle: u32,
+}
+
+@vertex
+fn camera_vertex(@builtin(vertex_index) corner: u32) -> CameraVertex {
+    let position = vertex_position(triangles[corner]);
+    let clip = vec4f(
+        row_times_point(camera.clip_x, position),
+        row_times_point(camera.clip_y, position),
+        row_times_point(camera.clip_z, position),
+        row_times_point(camera.clip_w, position),
+    );
+    return CameraVertex(clip, corner / 3u);
+}
+
+@fragment
+fn opaque_fragment(vertex: CameraVertex) -> @location(0) u32 {
+    return vertex.triangle;
+}
+
+@fragment
+fn masked_fragment(vertex: CameraVertex) -> @location(0) u32 {
+    let ray = pixel_ray(camera.rays, vertex.clip.x, vertex.clip.y);
+    if !passes_alpha_test(vertex.triangle, ray) {
+        discard;
+    }
+    return vertex.triangle;
+}

@@ -1,0 +1,81 @@
+// The plan: mirrors shadow-math/src/plan/data.rs. A test compares every offset and constant.
+
+const LIGHT_DIRECTIONAL: u32 = 0u;
+const LIGHT_SPOT: u32 = 1u;
+const LIGHT_POINT: u32 = 2u;
+
+const SPLIT_SINGLE: u32 = 0u;
+const SPLIT_CUBE: u32 = 1u;
+
+const BIAS_NONE: u32 = 0u;
+const BIAS_CONSTANT: u32 = 1u;
+const BIAS_SLOPE: u32 = 2u;
+
+const FILTER_HARD: u32 = 0u;
+const FILTER_BILINEAR: u32 = 1u;
+
+const SNAP_TEXELS: f32 = 0.001953125;
+
+const NO_TRIANGLE: u32 = 0xffffffffu;
+
+struct PixelRays {
+    origin: vec4f,
+    origin_dx: vec4f,
+    origin_dy: vec4f,
+    direction: vec4f,
+    direction_dx: vec4f,
+    direction_dy: vec4f,
+}
+
+struct CameraPlan {
+    clip_x: vec4f,
+    clip_y: vec4f,
+    clip_z: vec4f,
+    clip_w: vec4f,
+    rays: PixelRays,
+    ambient: vec3f,
+    exposure: f32,
+    width: u32,
+    height: u32,
+    light_count: u32,
+    padding: u32,
+}
+
+struct LightPlan {
+    position: vec3f,
+    kind: u32,
+    intensity: vec3f,
+    inverse_range: f32,
+    axis: vec3f,
+    cone_scale: f32,
+    cone_offset: f32,
+    first_view: u32,
+    view_count: u32,
+    split: u32,
+    bias: u32,
+    bias_metres: f32,
+    slope_scale: f32,
+    filter_kind: u32,
+}
+
+struct ViewPlan {
+    clip_x: vec4f,
+    clip_y: vec4f,
+    clip_z: vec4f,
+    clip_w: vec4f,
+    world_from_texel_x: vec4f,
+    world_from_texel_y: vec4f,
+    world_from_depth: vec4f,
+    rays: PixelRays,
+    texel_scale: vec2f,
+    texel_offset: vec2f,
+    rounding_texels: vec2f,
+    rounding_depth: vec2f,
+    depth_factor: f32,
+    w_per_metre: f32,
+    depth_range: vec2f,
+    texel_metres: vec2f,
+    layer: u32,
+    depth_kind: u32,
+    rect: vec4u,
+}

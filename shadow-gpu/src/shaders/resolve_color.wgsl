@@ -1,0 +1,43 @@
+// The colour of every pixel, linear, after exposure. Reads visibilities, never a map.
+
+@group(2) @binding(0) var<uniform> camera: CameraPlan;
+@group(2) @binding(1) var<storage, read> lights: array<LightPlan>;
+@group(2) @binding(2) var seen: texture_2d<u32>;
+@group(2) @binding(3) var<storage, read> visibilities: array<f32>;
+@group(2) @binding(4) var<storage, read_write> colors: array<vec4f>;
+
+fn pixel_color(triangle: u32, x: f32, y: f32, first_visibility: u32) -> vec4f {
+    if triangle == NO_TRIANGLE {
+        return vec4f(BACKGROUND, 1.0);
+    }
+    let ray = pixel_ray(camera.rays, x, y);
+    let hit = scene_point(triangle, ray);
+    let base = scene_color(triangle, hit);
+    let corners = triangle_corners(triangle);
+    let n0 = vertex_attributes(corners.x).normal;
+    let n1 = vertex_attributes(corners.y).normal;
+    let n2 = vertex_attributes(corners.z).normal;
+    let normal = normalized(n0 + (n1 - n0) * hit.u + (n2 - n0) * hit.v);
+    let surface = Surface(
+        hit.point,
+        turned_to_viewer(normal, hit.normal, ray),
+        normalized(-ray.direction),
+        base.xyz,
+        materials[triangle_material(triangle)].shininess,
+    );
+    var radiance = shade_ambient(camera.ambient, surface);
+    for (var light = 0u; light < camera.light_count; light++) {
+        radiance += shade_light(light, surface, visibilities[first_visibility + light]);
+    }
+    return vec4f(radiance * camera.exposure, 1.0);
+}
+
+@compute @workgroup_size(8, 8)
+fn resolve_color(@builtin(global_invocation_id) pixel: vec3u) {
+    if pixel.x >= camera.width || pixel.y >= camera.height {
+        return;
+    }
+    let index = pixel.y * camera.width + pixel.x;
+    let triangle = textureLoad(seen, pixel.xy, 0).x;
+    colors[index] = pixel_color(triangle, f32(pixel.x) + 0.5, f32(pixel.y) + 0.5, index * camera.light_count);
+}

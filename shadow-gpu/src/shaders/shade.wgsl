@@ -1,0 +1,49 @@
+// Light on surfaces: mirrors shadow-math/src/shade.rs.
+
+const INVERSE_PI: f32 = 0.318309886;
+const SPECULAR_REFLECTANCE: f32 = 0.04;
+const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
+const BACKGROUND: vec3f = vec3f(0.42, 0.55, 0.72);
+
+struct Surface {
+    point: vec3f,
+    normal: vec3f,
+    toward_viewer: vec3f,
+    base_color: vec3f,
+    shininess: f32,
+}
+
+fn attenuation(light: u32, toward: vec3f) -> f32 {
+    if lights[light].kind == LIGHT_DIRECTIONAL {
+        return 1.0;
+    }
+    let squared = toward.x * toward.x + toward.y * toward.y + toward.z * toward.z;
+    if squared <= 0.0 {
+        return 0.0;
+    }
+    let distance = sqrt(squared);
+    let ratio = distance * lights[light].inverse_range;
+    let ratio_squared = ratio * ratio;
+    let window = max(1.0 - ratio_squared * ratio_squared, 0.0);
+    let axis = lights[light].axis;
+    let cosine = -(axis.x * toward.x + axis.y * toward.y + axis.z * toward.z) / distance;
+    let cone = min(max(cosine * lights[light].cone_scale + lights[light].cone_offset, 0.0), 1.0);
+    return window / squared * (cone * cone);
+}
+
+fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
+    let toward = toward_light(light, surface.point);
+    let direction = normalized(toward);
+    let cosine = max(dot3(surface.normal, direction), 0.0);
+    let illuminance = attenuation(light, toward) * cosine * visibility;
+    let half_way = normalized(direction + surface.toward_viewer);
+    let highlight = approx_pow(max(dot3(surface.normal, half_way), 0.0), surface.shininess);
+    let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
+    let reflected = surface.base_color * INVERSE_PI + vec3f(specular, specular, specular);
+    let intensity = lights[light].intensity;
+    return intensity * reflected * illuminance;
+}
+
+fn shade_ambient(ambient: vec3f, surface: Surface) -> vec3f {
+    return ambient * surface.base_color * INVERSE_PI;
+}

@@ -1,0 +1,99 @@
+//! The plan of a whole frame: the camera's, every light's, every view's.
+
+use shadow_math::{
+    Camera, PlanError, ShadowSettings,
+    bounds::Aabb,
+    exposure::Exposure,
+    plan::{CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
+};
+
+use crate::scene::Scene;
+
+/// What both renderers follow: neither derives a matrix of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FramePlan {
+    /// How the picture is taken.
+    pub camera: CameraPlan,
+    /// One plan a light, in the order of the scene's lights.
+    pub lights: Vec<LightPlan>,
+    /// The views of all lights; view `i` is layer `i` of the maps.
+    pub views: Vec<ViewPlan>,
+    /// Width and height of every map in texels.
+    pub map_size: u32,
+    /// The exposure value (EV at ISO 100) that was chosen or given.
+    pub ev: f32,
+}
+
+/// Why the plan of a frame cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FramePlanError {
+    /// The picture or the camera.
+    #[error("{0}")]
+    Camera(PlanError),
+    /// A light.
+    #[error("light {index} (`{name}`): {source}")]
+    Light {
+        /// The light's index.
+        index: usize,
+        /// The light's name.
+        name: String,
+        /// What is wrong.
+        source: PlanError,
+    },
+    /// The exposure value is not a usable number.
+    #[error("an exposure value of {0} cannot be used; it must lie between -{MAX_EV} and {MAX_EV} (15 suits a sunny day, 5 a lit room)")]
+    ExposureValue(f32),
+}
+
+/// The largest exposure value, either way: the exposure scale stays a normal f32 with room for any light.
+pub const MAX_EV: f32 = 64.0;
+
+impl FramePlan {
+    /// Plans a picture of `width` by `height` pixels.
+    ///
+    /// `ev` is an exposure value (EV at ISO 100); `None` chooses the exposure by a fixed rule from the lights
+    /// ([`Exposure::automatic`]).
+    ///
+    /// # Errors
+    ///
+    /// [`FramePlanError`]: a camera, light or setting that cannot be used, named.
+    pub fn new(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &ShadowSettings,
+        width: u32,
+        height: u32,
+        ev: Option<f32>,
+    ) -> Result<Self, FramePlanError> {
+        let mut exposure = Exposure::automatic(scene.lights().iter().map(|light| &light.light), scene.bounds());
+        if let Some(ev) = ev {
+            if !(ev.abs() <= MAX_EV) {
+                return Err(FramePlanError::ExposureValue(ev));
+            }
+            exposure = exposure.with_ev(ev);
+        }
+        let camera =
+            plan_camera(camera, width, height, exposure, scene.lights().len() as u32).map_err(FramePlanError::Camera)?;
+        let casters: Vec<Aabb> = scene.instances().iter().map(|instance| instance.bounds).collect();
+        let mut lights = Vec::with_capacity(scene.lights().len());
+        let mut views = Vec::new();
+        for (index, light) in scene.lights().iter().enumerate() {
+            let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
+            let first = views.len();
+            let count = view_count(&light.light, settings).map_err(failed)?;
+            views.resize(first + count, ViewPlan::default());
+            let plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
+                .map_err(failed)?;
+            lights.push(plan);
+        }
+        Ok(Self { camera, lights, views, map_size: settings.map_size, ev: exposure.ev() })
+    }
+
+    /// The views of a light.
+    #[must_use]
+    pub fn views_of(&self, light: usize) -> &[ViewPlan] {
+        let plan = &self.lights[light];
+        &self.views[plan.first_view as usize..][..plan.view_count as usize]
+    }
+}

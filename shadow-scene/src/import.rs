@@ -1,0 +1,158 @@
+//! glTF 2.0 import.
+//!
+//! [`import`] reads a `.gltf` or `.glb` file and what it refers to in the same folder, and nothing else: no absolute path, no
+//! path out of the folder, no network.
+//! Every length is checked before memory is taken, so that a damaged or malicious file ends with an [`ImportError`].
+//!
+//! # What becomes of a file
+//!
+//! - The default scene is drawn (the first one if none is named, all root nodes if there is no scene).
+//! - Triangles, strips and fans in world space, wound counter-clockwise whatever the transforms; missing normals become flat
+//!   ones. Points and lines are left out with a note.
+//! - Skins and morph targets stand in their rest pose; animations are not read.
+//! - Base colour (factor, texture, vertex colour), alpha mask, sidedness and roughness of materials. Blended materials become
+//!   opaque, with a note. Textures are PNG or JPEG.
+//! - Extensions: KHR_lights_punctual, KHR_texture_transform, KHR_mesh_quantization and EXT_mesh_gpu_instancing. Others are
+//!   named in a note; a file that requires one which changes more than shading is refused.
+//! - Positions are transformed in double precision and rounded once, relative to an origin near the scene where it lies far
+//!   from zero ([`choose_origin`]).
+
+use std::{
+    fs,
+    path::Path,
+};
+
+use glam::DVec3;
+
+mod error;
+mod container;
+mod document;
+mod uri;
+mod buffers;
+mod accessor;
+mod nodes;
+mod geometry;
+mod instancing;
+mod skin;
+mod images;
+mod materials;
+mod lights;
+mod cameras;
+mod notes;
+#[cfg(test)]
+mod tests;
+
+pub use error::ImportError;
+
+use self::{
+    buffers::Buffers, document::Document, error::Result, geometry::Part, materials::Materials, nodes::Hierarchy,
+    notes::Notes, uri::Folder,
+};
+use crate::{
+    builder::{Mesh, SceneBuilder, SceneError, choose_origin},
+    scene::{Scene, Vertices},
+};
+
+/// The largest coordinate of a vertex relative to the origin, in metres: the product of three of them still fits f32.
+///
+/// It is seven times the distance to the sun; a vertex beyond it is damage, and one is enough to lose the rest of the scene in
+/// its bounds.
+const MAX_COORDINATE: f64 = 1e12;
+
+/// Imports a glTF 2.0 file, text (`.gltf`) or binary (`.glb`); its content decides which, not its name.
+///
+/// # Errors
+///
+/// An [`ImportError`] if the file or one that it refers to cannot be read, is not as glTF demands, needs an extension that is
+/// not supported, or has nothing to draw. It names the file and the place in it.
+pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
+    let file = path.display().to_string();
+    match fs::read(path) {
+        Ok(bytes) => {
+            // The parent of a bare name is the empty path, which stands for the current folder only in joins.
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            import_bytes(&file, &bytes, Folder(Some(folder)))
+        }
+        Err(source) => Err(ImportError::Read { file, source }),
+    }
+}
+
+/// Imports the content of a glTF 2.0 file that refers to no other file. `name` is what messages call it.
+///
+/// # Errors
+///
+/// As [`import`], and if there is a reference to another file.
+///
+/// ```
+/// let gltf = br#"{
+///     "asset": {"version": "2.0"},
+///     "nodes": [{"mesh": 0}],
+///     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+///     "accessors": [{"bufferView": 0, "componentType": 5121, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [1, 1, 0]}],
+///     "bufferViews": [{"buffer": 0, "byteLength": 12, "byteStride": 4}],
+///     "buffers": [{"byteLength": 12, "uri": "data:;base64,AAAAAAEAAAAAAQAA"}]
+/// }"#;
+/// let scene = shadow_scene::import::import_slice("triangle.gltf", gltf)?;
+/// assert_eq!(scene.triangles().len(), 1);
+/// assert_eq!(scene.vertices().normals[0], glam::Vec3::Z);
+/// # Ok::<(), shadow_scene::ImportError>(())
+/// ```
+pub fn import_slice(name: &str, bytes: &[u8]) -> core::result::Result<Scene, ImportError> {
+    import_bytes(name, bytes, Folder(None))
+}
+
+fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>) -> Result<Scene> {
+    let container = container::split(file, bytes)?;
+    let document = Document::parse(file, container.json)?;
+    let buffers = Buffers::load(&document, folder, container.bin)?;
+    let hierarchy = Hierarchy::place(&document)?;
+    let mut notes =
+        Notes { extensions: document.ignored_extensions().map(str::to_owned).collect(), ..Notes::default() };
+    let parts = geometry::collect(&document, &buffers, &hierarchy, &mut notes)?;
+
+    let positions = || parts.iter().flat_map(|part| &part.positions);
+    let min = positions().copied().fold(DVec3::INFINITY, DVec3::min);
+    let max = positions().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let mut builder = SceneBuilder::new(choose_origin(min, max));
+    let mut materials = Materials::new(&document, &buffers, folder);
+    for part in parts {
+        let material = materials.scene_material(part.material, &mut builder, &mut notes)?;
+        let name = part.name.clone();
+        let mesh = mesh(&document, part, builder.origin())?;
+        builder.add_instance(name, material, mesh).map_err(|source| scene_error(file, source))?;
+    }
+    lights::add(&document, &hierarchy, &mut builder)?;
+    cameras::add(&document, &hierarchy, &mut builder)?;
+    for sentence in notes.sentences() {
+        builder.add_note(sentence);
+    }
+    builder.build().map_err(|source| scene_error(file, source))
+}
+
+fn scene_error(file: &str, source: SceneError) -> ImportError {
+    ImportError::Scene { file: file.into(), source: Box::new(source) }
+}
+
+/// A part relative to the scene's origin, rounded to single precision.
+fn mesh(document: &Document, part: Part, origin: DVec3) -> Result<Mesh> {
+    let relative = |(i, position): (usize, &DVec3)| {
+        let relative = *position - origin;
+        // Written so that NaN, from an overflow of the transform, is refused too.
+        if relative.abs().max_element() <= MAX_COORDINATE && relative.is_finite() {
+            Ok(relative.as_vec3())
+        } else {
+            Err(document.invalid(
+                &part.place,
+                format_args!(
+                    "`{}` has a vertex (number {i} of those that are used) at {:?} m in the world; it may be at most {MAX_COORDINATE:e} m from the scene's origin {:?}: move or remove it",
+                    part.name,
+                    position.to_array(),
+                    origin.to_array()
+                ),
+            ))
+        }
+    };
+    let positions = part.positions.iter().enumerate().map(relative).collect::<Result<_>>()?;
+    let vertices = Vertices { positions, normals: part.normals, uvs: part.uvs, colors: part.colors };
+    Ok(Mesh { vertices, triangles: part.triangles })
+}

@@ -1,0 +1,149 @@
+//! Materials: what of glTF's metallic-roughness model matters for shadows and for a plain picture.
+
+use std::collections::HashMap;
+
+use glam::{Affine2, Mat2, Vec2, Vec4};
+use gltf::json::{
+    material::AlphaMode,
+    texture::{Info, WrappingMode},
+    validation::Checked,
+};
+
+use super::{buffers::Buffers, document::Document, error::Result, images, notes::Notes, uri::Folder};
+use crate::{
+    builder::SceneBuilder,
+    scene::{Alpha, Material, Texture, Wrap},
+};
+
+/// Where the texture coordinates of a material's base colour come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct UvSource {
+    /// The number of the attribute TEXCOORD.
+    pub(super) set: u32,
+    /// From the attribute's coordinates to the texture's, both with v down (KHR_texture_transform).
+    pub(super) transform: Affine2,
+}
+
+impl UvSource {
+    /// The source of a material; `None` if it has no base colour texture.
+    pub(super) fn of(material: &gltf::json::Material) -> Option<Self> {
+        material.pbr_metallic_roughness.base_color_texture.as_ref().map(Self::of_texture)
+    }
+
+    fn of_texture(info: &Info) -> Self {
+        let Some(transform) = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref()) else {
+            return Self { set: info.tex_coord, transform: Affine2::IDENTITY };
+        };
+        // Counter-clockwise for the viewer is clockwise in coordinates whose v points down, hence the sign.
+        let turn = Mat2::from_angle(-transform.rotation.0);
+        Self {
+            set: transform.tex_coord.unwrap_or(info.tex_coord),
+            transform: Affine2::from_mat2_translation(
+                turn * Mat2::from_diagonal(Vec2::from_array(transform.scale.0)),
+                Vec2::from_array(transform.offset.0),
+            ),
+        }
+    }
+}
+
+/// The materials and images that the scene has so far.
+#[derive(Debug)]
+pub(super) struct Materials<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    folder: Folder<'a>,
+    /// The scene's material for each of the file's; `None` is glTF's default one.
+    materials: HashMap<Option<usize>, u32>,
+    /// The scene's image for each of the file's.
+    images: HashMap<usize, u32>,
+    /// Texels of all images.
+    texels: u64,
+}
+
+impl<'a> Materials<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, folder: Folder<'a>) -> Self {
+        Self { document, buffers, folder, materials: HashMap::new(), images: HashMap::new(), texels: 0 }
+    }
+
+    /// The scene's material for one of the file's, which is added when it is asked for first.
+    pub(super) fn scene_material(
+        &mut self,
+        index: Option<usize>,
+        builder: &mut SceneBuilder,
+        notes: &mut Notes,
+    ) -> Result<u32> {
+        if let Some(&known) = self.materials.get(&index) {
+            return Ok(known);
+        }
+        let material = match index {
+            None => Material::white(),
+            Some(index) => self.read(index, builder, notes)?,
+        };
+        let added = builder.add_material(material);
+        self.materials.insert(index, added);
+        Ok(added)
+    }
+
+    fn read(&mut self, index: usize, builder: &mut SceneBuilder, notes: &mut Notes) -> Result<Material> {
+        // `Document` guarantees the indices and that enumerations are valid.
+        let json = &self.document.root.materials[index];
+        let pbr = &json.pbr_metallic_roughness;
+        let texture = match &pbr.base_color_texture {
+            None => None,
+            Some(info) => self.texture(info.index.value(), builder, notes)?,
+        };
+        let alpha = match json.alpha_mode {
+            Checked::Valid(AlphaMode::Mask) => {
+                Alpha::Mask { cutoff: json.alpha_cutoff.map_or(DEFAULT_CUTOFF, |cutoff| cutoff.0).clamp(0.0, f32::MAX) }
+            }
+            Checked::Valid(AlphaMode::Blend) => {
+                notes.blended += 1;
+                Alpha::Opaque
+            }
+            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Alpha::Opaque,
+        };
+        Ok(Material {
+            name: json.name.clone().unwrap_or_default(),
+            // Exporters round 1 upwards now and then; a surface reflects no more than all light.
+            base_color: Vec4::from_array(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::ONE),
+            texture,
+            alpha,
+            double_sided: json.double_sided,
+            roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
+        })
+    }
+
+    /// A texture of the scene; `None` if it has no image that can be read.
+    fn texture(&mut self, index: usize, builder: &mut SceneBuilder, notes: &mut Notes) -> Result<Option<Texture>> {
+        let root = &self.document.root;
+        let json = &root.textures[index];
+        let source = json.source.value();
+        if source >= root.images.len() {
+            notes.without_image += 1;
+            return Ok(None);
+        }
+        let image = match self.images.get(&source) {
+            Some(&known) => known,
+            None => {
+                let image = images::read(self.document, self.buffers, self.folder, source, &mut self.texels)?;
+                let added = builder.add_image(image);
+                self.images.insert(source, added);
+                added
+            }
+        };
+        let sampler = json.sampler.map(|sampler| &root.samplers[sampler.value()]);
+        let (wrap_u, wrap_v) = sampler.map_or((Wrap::Repeat, Wrap::Repeat), |s| (wrap(s.wrap_s), wrap(s.wrap_t)));
+        Ok(Some(Texture { image, wrap_u, wrap_v }))
+    }
+}
+
+/// `alphaCutoff` where the file gives none.
+const DEFAULT_CUTOFF: f32 = 0.5;
+
+fn wrap(mode: Checked<WrappingMode>) -> Wrap {
+    match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
+        Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
+    }
+}
