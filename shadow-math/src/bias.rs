@@ -115,6 +115,7 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3,
     let mut bias = metres_to_depth(view, w, light.bias_metres);
     if light.bias == BIAS_SLOPE {
         let gradient = depth_gradient(view, point, normal);
+        // A constant factor comes before the variable ones: shader compilers move it there.
         let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
         let texels = filter::support(light.filter) * light.slope_scale
             + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);

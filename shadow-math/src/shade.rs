@@ -76,6 +76,7 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
     let highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
+    // A constant factor comes before the variable ones: shader compilers move it there.
     let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
     let reflected = surface.base_color * INVERSE_PI + Vec3::new(specular, specular, specular);
     let intensity = Vec3::new(light.intensity[0], light.intensity[1], light.intensity[2]);
@@ -86,7 +87,7 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
 #[inline]
 #[must_use]
 pub fn shade_ambient(ambient: Vec3, surface: &Surface) -> Vec3 {
-    ambient * surface.base_color * INVERSE_PI
+    surface.base_color * INVERSE_PI * ambient
 }
 
 /// The exponent of the highlight that looks like a microfacet surface of this perceptual roughness, 0 to 1.

@@ -49,35 +49,35 @@ pub fn demo() -> Scene {
 
     let turned = |degrees: f32| Quat::from_rotation_y(degrees.to_radians());
     scene.add("ground", ground, shapes::plane(Vec3::ZERO, Vec3::Y, 6.0));
-    scene.add("plinth", slate, shapes::cuboid(Vec3::new(-0.4, 0.3, 0.1), Vec3::new(0.6, 0.3, 0.6), turned(12.0)));
-    scene.add("knot", coral, shapes::torus_knot(Vec3::new(-0.4, 1.62, 0.1), 0.64, 0.29, 0.14, 320));
-    scene.add("sphere", ivory, shapes::sphere(Vec3::new(2.5, 0.75, 0.5), 0.75, 96));
-    scene.add("small sphere", coral, shapes::sphere(Vec3::new(1.25, 0.28, 2.1), 0.28, 64));
-    scene.add("block", teal, shapes::cuboid(Vec3::new(-2.9, 0.65, 0.3), Vec3::splat(0.65), turned(28.0)));
-    scene.add("block on top", ochre, shapes::cuboid(Vec3::new(-2.85, 1.6, 0.3), Vec3::splat(0.3), turned(-15.0)));
-    scene.add("step", ochre, shapes::cuboid(Vec3::new(-1.9, 0.15, 2.0), Vec3::new(0.5, 0.15, 0.3), turned(-20.0)));
-    scene.add("fence", pickets, fence_panel(Vec3::new(-4.9, 0.0, -0.9), Vec3::new(-0.9, 0.0, -3.3), 1.5));
+    scene.add("plinth", slate, shapes::cuboid(Vec3::new(-0.35, 0.3, 0.2), Vec3::new(0.6, 0.3, 0.6), turned(12.0)));
+    scene.add("knot", coral, shapes::torus_knot(Vec3::new(-0.35, 1.62, 0.2), 0.64, 0.29, 0.14, 320));
+    scene.add("sphere", ivory, shapes::sphere(Vec3::new(2.5, 0.8, -1.7), 0.8, 96));
+    scene.add("small sphere", coral, shapes::sphere(Vec3::new(1.5, 0.3, 2.2), 0.3, 64));
+    scene.add("block", teal, shapes::cuboid(Vec3::new(-3.0, 0.65, -0.1), Vec3::splat(0.65), turned(28.0)));
+    scene.add("block on top", ochre, shapes::cuboid(Vec3::new(-2.95, 1.6, -0.15), Vec3::splat(0.3), turned(-15.0)));
+    scene.add("step", ochre, shapes::cuboid(Vec3::new(2.6, 0.15, 1.5), Vec3::new(0.55, 0.15, 0.32), turned(35.0)));
+    scene.add("fence", pickets, fence_panel(Vec3::new(-4.6, 0.0, 2.9), Vec3::new(-5.0, 0.0, -2.7), 1.3));
     scene.add("pergola", timber, pergola());
 
-    let sun = Vec3::new(0.62, -1.0, 0.34);
+    let sun = Vec3::new(0.66, -1.0, -0.36);
     let color = Vec3::new(1.0, 0.95, 0.86);
     scene.builder.add_light("sun", Light { kind: LightKind::Directional { direction: sun }, color, intensity: 20_000.0 });
-    let position = Vec3::new(-4.2, 3.6, 3.6);
+    let position = Vec3::new(3.6, 4.0, 4.6);
     scene.builder.add_light(
         "lamp",
         Light {
             kind: LightKind::Spot {
                 position,
-                direction: Vec3::new(-0.9, 0.8, 0.3) - position,
-                inner: 15_f32.to_radians(),
-                outer: 23_f32.to_radians(),
+                direction: Vec3::new(-0.9, 0.7, -0.1) - position,
+                inner: 14_f32.to_radians(),
+                outer: 21_f32.to_radians(),
                 range: None,
             },
-            color: Vec3::new(1.0, 0.66, 0.34),
-            intensity: 260_000.0,
+            color: Vec3::new(1.0, 0.62, 0.30),
+            intensity: 400_000.0,
         },
     );
-    scene.camera("main", DVec3::new(5.6, 4.3, 9.6), DVec3::new(0.0, 0.75, -0.15), 32.0);
+    scene.camera("main", DVec3::new(4.6, 4.6, 9.9), DVec3::new(-0.4, 0.5, -0.3), 32.0);
     scene.finish()
 }
 
@@ -93,13 +93,13 @@ fn fence_panel(from: Vec3, to: Vec3, height: f32) -> Mesh {
     panel
 }
 
-/// Four posts, two beams and eleven slats, at the back on the right.
+/// Four posts, two beams and nine slats, at the back on the right.
 fn pergola() -> Mesh {
-    const CENTER: Vec3 = Vec3::new(2.1, 0.0, -2.3);
+    const CENTER: Vec3 = Vec3::new(1.8, 0.0, -1.6);
     const HALF_LENGTH: f32 = 1.7;
     const HALF_DEPTH: f32 = 1.1;
     const HEIGHT: f32 = 2.3;
-    const SLATS: u32 = 11;
+    const SLATS: u32 = 9;
     let mut all = Mesh::default();
     let mut add = |offset: Vec3, half_extents: Vec3, rotation: Quat| {
         shapes::append(&mut all, shapes::cuboid(CENTER + offset, half_extents, rotation));
@@ -187,9 +187,7 @@ pub fn fence() -> Scene {
 #[must_use]
 pub fn fence_is_shadowed(x: f32, z: f32) -> bool {
     let along = (x + 4.0) / FENCE_PITCH;
-    (0.0..FENCE_BARS as f32).contains(&along)
-        && along.fract() <= FENCE_WIDTH / FENCE_PITCH
-        && (-FENCE_HEIGHT..=0.0).contains(&z)
+    (0.0..FENCE_BARS as f32).contains(&along) && along.fract() <= FENCE_WIDTH / FENCE_PITCH && (-FENCE_HEIGHT..=0.0).contains(&z)
 }
 
 /// One square plane through the origin with the given normal and half side (metres), lit straight from above, seen along
@@ -233,12 +231,7 @@ impl Composer {
     }
 
     fn material(&mut self, name: &str, color: Vec3, roughness: f32) -> u32 {
-        self.builder.add_material(Material {
-            name: name.into(),
-            base_color: color.extend(1.0),
-            roughness,
-            ..Material::white()
-        })
+        self.builder.add_material(Material { name: name.into(), base_color: color.extend(1.0), roughness, ..Material::white() })
     }
 
     /// A double-sided material of painted pickets: one picket and two rails, cut out by alpha, that repeat to the side.
@@ -266,8 +259,7 @@ impl Composer {
 
     /// A camera that sees everything up to a kilometre; `fov` is the vertical angle of view in degrees.
     fn camera(&mut self, name: &str, eye: DVec3, target: DVec3, fov: f64) {
-        let projection =
-            Projection::Perspective { vertical_fov: fov.to_radians(), near: 0.1, far: Some(1000.0 + eye.length()) };
+        let projection = Projection::Perspective { vertical_fov: fov.to_radians(), near: 0.1, far: Some(1000.0 + eye.length()) };
         // Every caller's eye is apart from its target.
         let camera = Camera::look_at(eye, target, projection).expect("a built-in camera looks somewhere");
         self.builder.add_camera(name, camera);
@@ -405,7 +397,8 @@ mod tests {
     fn the_demo_camera_sees_every_object() {
         let scene = demo();
         let camera = scene.cameras()[0].camera;
-        let clip_from_world = camera.clip_from_view(16.0 / 9.0, shadow_math::spaces::ClipDepth::ZeroToOne) * camera.view_from_world();
+        let clip_from_world =
+            camera.clip_from_view(16.0 / 9.0, shadow_math::spaces::ClipDepth::ZeroToOne) * camera.view_from_world();
         for instance in scene.instances().iter().filter(|instance| instance.name != "ground") {
             for corner in instance.bounds.corners() {
                 let ndc = clip_from_world.project_point3(corner.as_dvec3());

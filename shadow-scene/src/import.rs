@@ -17,10 +17,7 @@
 //! - Positions are transformed in double precision and rounded once, relative to an origin near the scene where it lies far
 //!   from zero ([`choose_origin`]).
 
-use std::{
-    fs,
-    path::Path,
-};
+use std::{fs, path::Path};
 
 use glam::DVec3;
 
@@ -45,8 +42,8 @@ mod tests;
 pub use error::ImportError;
 
 use self::{
-    buffers::Buffers, document::Document, error::Result, geometry::Part, materials::Materials, nodes::Hierarchy,
-    notes::Notes, uri::Folder,
+    buffers::Buffers, document::Document, error::Result, geometry::Part, materials::Materials, nodes::Hierarchy, notes::Notes,
+    uri::Folder,
 };
 use crate::{
     builder::{Mesh, SceneBuilder, SceneError, choose_origin},
@@ -106,8 +103,7 @@ fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>) -> Result<Scene> {
     let document = Document::parse(file, container.json)?;
     let buffers = Buffers::load(&document, folder, container.bin)?;
     let hierarchy = Hierarchy::place(&document)?;
-    let mut notes =
-        Notes { extensions: document.ignored_extensions().map(str::to_owned).collect(), ..Notes::default() };
+    let mut notes = Notes { extensions: document.ignored_extensions().map(str::to_owned).collect(), ..Notes::default() };
     let parts = geometry::collect(&document, &buffers, &hierarchy, &mut notes)?;
 
     let positions = || parts.iter().flat_map(|part| &part.positions);

@@ -1,1 +1,3 @@
-//! Placeholder.
+//! The differential harness.
+
+pub mod mirror;

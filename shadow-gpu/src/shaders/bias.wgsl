@@ -36,6 +36,7 @@ fn depth_bias(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32
     var bias = metres_to_depth(view, w, lights[light].bias_metres);
     if lights[light].bias == BIAS_SLOPE {
         let gradient = depth_gradient(view, point, normal);
+        // A constant factor comes before the variable ones: shader compilers move it there.
         let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
         let rounding_texels = views[view].rounding_texels;
         let rounding_depth = views[view].rounding_depth;

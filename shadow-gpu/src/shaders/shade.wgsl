@@ -38,6 +38,7 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
     let highlight = approx_pow(max(dot3(surface.normal, half_way), 0.0), surface.shininess);
+    // A constant factor comes before the variable ones: shader compilers move it there.
     let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
     let reflected = surface.base_color * INVERSE_PI + vec3f(specular, specular, specular);
     let intensity = lights[light].intensity;
@@ -45,5 +46,5 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
 }
 
 fn shade_ambient(ambient: vec3f, surface: Surface) -> vec3f {
-    return ambient * surface.base_color * INVERSE_PI;
+    return surface.base_color * INVERSE_PI * ambient;
 }

@@ -109,7 +109,8 @@ pub fn torus_knot(center: Vec3, major: f32, minor: f32, tube: f32, segments: u32
         let across = tangent.cross(point).normalize();
         let outward = across.cross(tangent).normalize();
         let (sine, cosine) = ((side % sides) as f32 / sides as f32 * TAU).sin_cos();
-        let normal = cosine * outward + sine * across;
+        // Clockwise along the knot, which is to the right seen from outside with the knot running down.
+        let normal = cosine * outward - sine * across;
         (center + point + tube * normal, normal)
     })
 }

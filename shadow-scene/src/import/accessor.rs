@@ -53,8 +53,7 @@ impl Format {
     /// Texture coordinates; integers as KHR_mesh_quantization allows them.
     pub(super) const UV: Self = Self { types: &[Type::Vec2], components: FLOAT_OR_SMALL, normalized: false };
     /// Vertex colours.
-    pub(super) const COLOR: Self =
-        Self { types: &[Type::Vec3, Type::Vec4], components: FLOAT_OR_UNSIGNED, normalized: true };
+    pub(super) const COLOR: Self = Self { types: &[Type::Vec3, Type::Vec4], components: FLOAT_OR_UNSIGNED, normalized: true };
     /// Weights of joints.
     pub(super) const WEIGHTS: Self = Self { types: &[Type::Vec4], components: FLOAT_OR_UNSIGNED, normalized: true };
     /// Numbers of joints.
@@ -126,7 +125,9 @@ impl<'a> Accessor<'a> {
                 (Cow::Borrowed(range), stride)
             }
             None if count > MAX_UNBACKED_COUNT => {
-                return Err(fail(&format_args!("has {count} elements but no bufferView; without one at most {MAX_UNBACKED_COUNT} are read")));
+                return Err(fail(&format_args!(
+                    "has {count} elements but no bufferView; without one at most {MAX_UNBACKED_COUNT} are read"
+                )));
             }
             None => (Cow::Owned(vec![0; count as usize * size]), size),
         };

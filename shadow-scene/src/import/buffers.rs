@@ -5,10 +5,14 @@ use std::borrow::Cow;
 
 use super::{document::Document, error::Result, uri::Folder};
 
+/// The most bytes of all buffers together. A file may name one large buffer any number of times.
+const MAX_BYTES: u64 = 1 << 32;
+
 /// The contents of a file's buffers.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
-    contents: Vec<Cow<'a, [u8]>>,
+    /// `None` for a buffer that the file leaves to others to fill.
+    contents: Vec<Option<Cow<'a, [u8]>>>,
 }
 
 impl<'a> Buffers<'a> {
@@ -16,30 +20,30 @@ impl<'a> Buffers<'a> {
     ///
     /// `bin` is what the binary container holds.
     pub(super) fn load(document: &Document, folder: Folder<'_>, bin: Option<&'a [u8]>) -> Result<Self> {
+        let mut total = 0_u64;
         let mut contents = Vec::new();
         for (i, buffer) in document.root.buffers.iter().enumerate() {
             let length = buffer.byte_length.0;
+            let fail = |problem: &dyn Display| document.invalid(format_args!("buffers[{i}].byteLength"), problem);
             if length == 0 {
-                return Err(document.invalid(format_args!("buffers[{i}].byteLength"), "a buffer must have at least 1 byte"));
+                return Err(fail(&"a buffer must have at least 1 byte; export the file again"));
+            }
+            total = total.saturating_add(length);
+            if total > MAX_BYTES {
+                return Err(fail(&format_args!(
+                    "with it the buffers have {total} bytes; at most {MAX_BYTES} are read: draw a part of the scene"
+                )));
             }
             contents.push(match (&buffer.uri, bin) {
                 (Some(uri), _) => {
                     let mut bytes = folder.read(document, uri, Some(length), format_args!("buffers[{i}]"))?;
                     bytes.truncate(length as usize);
-                    Cow::Owned(bytes)
+                    Some(Cow::Owned(bytes))
                 }
-                (None, Some(bin)) if i == 0 => Cow::Borrowed(usize::try_from(length).ok().and_then(|length| bin.get(..length)).ok_or_else(
-                    || {
-                        document.invalid(
-                            format_args!("buffers[{i}].byteLength"),
-                            format_args!("is {length}, but the BIN chunk has only {} bytes; the file was cut short", bin.len()),
-                        )
-                    },
-                )?),
-                (None, _) => {
-                    let problem = "has neither a `uri` nor a BIN chunk to take its bytes from; export the file again";
-                    return Err(document.invalid(format_args!("buffers[{i}]"), problem));
-                }
+                (None, Some(bin)) if i == 0 => Some(Cow::Borrowed(slice(bin, 0, length).ok_or_else(|| {
+                    fail(&format_args!("is {length}, but the BIN chunk has only {} bytes; the file was cut short", bin.len()))
+                })?)),
+                (None, _) => None,
             });
         }
         Ok(Self { contents })
@@ -49,7 +53,10 @@ impl<'a> Buffers<'a> {
     pub(super) fn view(&self, document: &Document, view: usize, place: impl Display) -> Result<&[u8]> {
         // `Document` guarantees both indices, and `load` that there is a content for each buffer.
         let json = &document.root.buffer_views[view];
-        let buffer = &self.contents[json.buffer.value()];
+        let Some(buffer) = &self.contents[json.buffer.value()] else {
+            let problem = "has neither a `uri` nor a BIN chunk to take its bytes from; export the file again";
+            return Err(document.invalid(place, format_args!("buffers[{}] {problem}", json.buffer)));
+        };
         let offset = json.byte_offset.map_or(0, |offset| offset.0);
         let length = json.byte_length.0;
         slice(buffer, offset, length).ok_or_else(|| {

@@ -17,7 +17,8 @@ pub(super) fn add(document: &Document, hierarchy: &Hierarchy, builder: &mut Scen
         let place = format!("cameras[{index}]");
         let projection = projection(json).map_err(|problem| document.invalid(&place, problem))?;
         let orientation = orientation(world_from_node).ok_or_else(|| {
-            document.invalid(format_args!("nodes[{node}]"), "a camera's node must not be scaled to nothing; give it another scale")
+            document
+                .invalid(format_args!("nodes[{node}]"), "a camera's node must not be scaled to nothing; give it another scale")
         })?;
         let camera = Camera { eye: world_from_node.translation - builder.origin(), orientation, projection };
         camera.validate().map_err(|error| document.invalid(place, error))?;

@@ -50,7 +50,9 @@ fn split_binary(bytes: &[u8]) -> core::result::Result<Container<'_>, String> {
         return Err(format!("the binary header has {} bytes of {HEADER_LEN}; the file was cut short", bytes.len()));
     };
     if version != 2 {
-        return Err(format!("the binary container has version {version}, but only version 2 is understood; export the file as glTF 2.0"));
+        return Err(format!(
+            "the binary container has version {version}, but only version 2 is understood; export the file as glTF 2.0"
+        ));
     }
     let length = length as usize;
     if length > bytes.len() {
@@ -73,7 +75,10 @@ fn next_chunk<'a>(rest: &mut &'a [u8], kind: &[u8; 4]) -> core::result::Result<O
     let name = String::from_utf8_lossy(kind);
     let name = name.trim_end_matches('\0');
     let Some((header, body)) = rest.split_at_checked(CHUNK_HEADER_LEN) else {
-        return Err(format!("the header of the {name} chunk has {} bytes of {CHUNK_HEADER_LEN}; the file was cut short", rest.len()));
+        return Err(format!(
+            "the header of the {name} chunk has {} bytes of {CHUNK_HEADER_LEN}; the file was cut short",
+            rest.len()
+        ));
     };
     let (length, found) = header.split_at(4);
     // Both halves are 4 bytes long.

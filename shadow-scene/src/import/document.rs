@@ -8,8 +8,7 @@ use serde_json::Value;
 use super::error::{ImportError, Result};
 
 /// Extensions whose every effect that matters here is imported.
-const SUPPORTED: &[&str] =
-    &["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
+const SUPPORTED: &[&str] = &["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
 
 /// Extensions that change only how a surface is shaded: without them the shadows are the same, so that a file which
 /// requires them is drawn all the same, with a note.
@@ -34,15 +33,11 @@ fn advice(extension: &str) -> &'static str {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" => {
             "decompress the file with `gltf-transform copy input.glb output.glb`"
         }
-        "KHR_texture_basisu" => {
-            "decode its textures with `gltf-transform ktxdecompress input.glb output.glb`"
-        }
+        "KHR_texture_basisu" => "decode its textures with `gltf-transform ktxdecompress input.glb output.glb`",
         "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
             "convert its textures with `gltf-transform png input.glb output.glb`"
         }
-        "KHR_materials_pbrSpecularGlossiness" => {
-            "convert its materials with `gltf-transform metalrough input.glb output.glb`"
-        }
+        "KHR_materials_pbrSpecularGlossiness" => "convert its materials with `gltf-transform metalrough input.glb output.glb`",
         _ => "export the file without it",
     }
 }
@@ -66,8 +61,7 @@ pub(super) struct Document {
 impl Document {
     /// Parses and checks a file's JSON. `file` is its name for messages.
     pub(super) fn parse(file: &str, json: &[u8]) -> Result<Self> {
-        let mut raw: Value =
-            serde_json::from_slice(json).map_err(|source| ImportError::Json { file: file.into(), source })?;
+        let mut raw: Value = serde_json::from_slice(json).map_err(|source| ImportError::Json { file: file.into(), source })?;
         check_version(file, &raw)?;
         check_required_extensions(file, &raw)?;
         supply_what_root_demands(&mut raw);

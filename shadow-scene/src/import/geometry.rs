@@ -47,12 +47,7 @@ pub(super) struct Part {
 }
 
 /// Reads what the drawn nodes show.
-pub(super) fn collect(
-    document: &Document,
-    buffers: &Buffers<'_>,
-    hierarchy: &Hierarchy,
-    notes: &mut Notes,
-) -> Result<Vec<Part>> {
+pub(super) fn collect(document: &Document, buffers: &Buffers<'_>, hierarchy: &Hierarchy, notes: &mut Notes) -> Result<Vec<Part>> {
     let mut reader = Reader { document, buffers, notes, vertices: 0, triangles: 0 };
     let mut parts = Vec::new();
     for &node in &hierarchy.drawn {
@@ -127,7 +122,9 @@ impl<'a> Reader<'a, '_> {
             self.notes.without_positions += 1;
             return Ok(None);
         };
-        if self.document.root.accessors[positions].buffer_view.is_none() && self.document.root.accessors[positions].sparse.is_none() {
+        if self.document.root.accessors[positions].buffer_view.is_none()
+            && self.document.root.accessors[positions].sparse.is_none()
+        {
             return Err(self.document.invalid(
                 format_args!("{place}.attributes.POSITION"),
                 format_args!("accessors[{positions}] has no bufferView, so that there are no positions; export the file again"),

@@ -61,8 +61,15 @@ fn decode(document: &Document, bytes: &[u8], place: &str, texels: &mut u64) -> R
     }
     *texels += u64::from(width) * u64::from(height);
     if *texels > MAX_TEXELS {
-        return Err(fail(&format_args!("with it the scene's images have {texels} texels; at most {MAX_TEXELS} are read: scale them down")));
+        return Err(fail(&format_args!(
+            "with it the scene's images have {texels} texels; at most {MAX_TEXELS} are read: scale them down"
+        )));
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
-    Ok(Image { width, height, texels: image.into_raw().as_chunks::<4>().0.to_vec() })
+    let texels = match DynamicImage::from_decoder(decoder).map_err(damaged)? {
+        // The usual layouts go straight into texels, since the largest images leave little memory for a step between.
+        DynamicImage::ImageLuma8(image) => image.as_raw().iter().map(|&l| [l, l, l, u8::MAX]).collect(),
+        DynamicImage::ImageRgb8(image) => image.as_raw().as_chunks::<3>().0.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect(),
+        other => other.into_rgba8().as_raw().as_chunks::<4>().0.to_vec(),
+    };
+    Ok(Image { width, height, texels })
 }

@@ -66,12 +66,7 @@ impl<'a> Materials<'a> {
     }
 
     /// The scene's material for one of the file's, which is added when it is asked for first.
-    pub(super) fn scene_material(
-        &mut self,
-        index: Option<usize>,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) -> Result<u32> {
+    pub(super) fn scene_material(&mut self, index: Option<usize>, builder: &mut SceneBuilder, notes: &mut Notes) -> Result<u32> {
         if let Some(&known) = self.materials.get(&index) {
             return Ok(known);
         }

@@ -58,12 +58,15 @@ impl Hierarchy {
             // Each node is entered once, so this ends whatever the file says.
             if self.world_from_node[node].is_some() {
                 let place = parent.map_or_else(|| place.to_owned(), |parent| format!("nodes[{parent}].children"));
-                let problem = format!("nodes[{node}] is reached a second time; nodes must form trees, without loops or shared branches");
+                let problem =
+                    format!("nodes[{node}] is reached a second time; nodes must form trees, without loops or shared branches");
                 return Err(document.invalid(place, problem));
             }
             let world_from_node = world_from_parent * parent_from_node(document, node)?;
             if !world_from_node.is_finite() {
-                return Err(document.invalid(format_args!("nodes[{node}]"), "the product of its and its parents' matrices overflows"));
+                return Err(
+                    document.invalid(format_args!("nodes[{node}]"), "the product of its and its parents' matrices overflows")
+                );
             }
             self.world_from_node[node] = Some(world_from_node);
             self.drawn.push(node);
@@ -78,8 +81,9 @@ impl Hierarchy {
 /// The matrix of a node's own transform, at the precision the file has.
 fn parent_from_node(document: &Document, node: usize) -> Result<DAffine3> {
     if let Some(matrix) = document.node_numbers::<16>(node, "matrix") {
-        return affine_from_columns(&matrix)
-            .ok_or_else(|| document.invalid(format_args!("nodes[{node}].matrix"), "the last row must be 0 0 0 1; export the file again"));
+        return affine_from_columns(&matrix).ok_or_else(|| {
+            document.invalid(format_args!("nodes[{node}].matrix"), "the last row must be 0 0 0 1; export the file again")
+        });
     }
     let translation = document.node_numbers(node, "translation").map_or(DVec3::ZERO, DVec3::from_array);
     let scale = document.node_numbers(node, "scale").map_or(DVec3::ONE, DVec3::from_array);
@@ -109,8 +113,6 @@ pub(super) fn affine_from_columns(columns: &[f64; 16]) -> Option<DAffine3> {
     const TOLERANCE: f64 = 1e-5;
     let matrix = DMat4::from_cols_array(columns);
     let last_row = matrix.row(3);
-    ((last_row - glam::DVec4::W).abs().max_element() <= TOLERANCE).then(|| DAffine3 {
-        matrix3: DMat3::from_mat4(matrix),
-        translation: matrix.w_axis.truncate(),
-    })
+    ((last_row - glam::DVec4::W).abs().max_element() <= TOLERANCE)
+        .then(|| DAffine3 { matrix3: DMat3::from_mat4(matrix), translation: matrix.w_axis.truncate() })
 }

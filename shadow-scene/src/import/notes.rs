@@ -40,7 +40,11 @@ impl Notes {
             "primitive is made of points or lines and is left out: only triangles cast shadows",
             "primitives are made of points or lines and are left out: only triangles cast shadows",
         );
-        say(self.without_positions, "primitive has no positions and is left out", "primitives have no positions and are left out");
+        say(
+            self.without_positions,
+            "primitive has no positions and is left out",
+            "primitives have no positions and are left out",
+        );
         say(
             self.incomplete_triangles,
             "primitive ends with an incomplete triangle, which is left out",

@@ -25,7 +25,8 @@ impl Skin {
         // `Document` guarantees the indices.
         let json = &document.root.skins[index];
         if json.joints.is_empty() {
-            return Err(document.invalid(format_args!("skins[{index}].joints"), "a skin must have at least 1 joint; export the file again"));
+            return Err(document
+                .invalid(format_args!("skins[{index}].joints"), "a skin must have at least 1 joint; export the file again"));
         }
         let place = format!("skins[{index}].inverseBindMatrices");
         let inverse_binds = json
@@ -35,7 +36,8 @@ impl Skin {
         if let Some(matrices) = &inverse_binds
             && matrices.count() < json.joints.len()
         {
-            let problem = format!("there are {} matrices for {} joints; export the file again", matrices.count(), json.joints.len());
+            let problem =
+                format!("there are {} matrices for {} joints; export the file again", matrices.count(), json.joints.len());
             return Err(document.invalid(place, problem));
         }
         let world_from_bind = json.joints.iter().enumerate().map(|(j, joint)| {
@@ -92,7 +94,8 @@ impl Skin {
             let last = sources.iter().max().map_or(0, |&last| last as usize);
             for (accessor, place) in [(&joints, &joints_place), (&weights, &weights_place)] {
                 if accessor.count() <= last {
-                    let problem = format!("there is no element for vertex {last}, only {}; export the file again", accessor.count());
+                    let problem =
+                        format!("there is no element for vertex {last}, only {}; export the file again", accessor.count());
                     return Err(document.invalid(place, problem));
                 }
             }

@@ -83,7 +83,11 @@ impl Folder<'_> {
         {
             return Err(document.invalid(
                 place,
-                format_args!("byteLength is {length}, but `{}` has only {} bytes; it was cut short", path.display(), metadata.len()),
+                format_args!(
+                    "byteLength is {length}, but `{}` has only {} bytes; it was cut short",
+                    path.display(),
+                    metadata.len()
+                ),
             ));
         }
         let mut bytes = Vec::new();

@@ -1,0 +1,70 @@
+//! Checks against the adapter's limits before anything is made, so that the answer is a sentence and not a driver's error.
+
+use shadow_scene::{FramePlan, Scene, Surfaces};
+
+use crate::error::GpuError;
+
+/// Bytes of a vertex: three floats of position, nine of attributes.
+pub(crate) const VERTEX_BYTES: u64 = 12 * 4;
+/// Bytes of a triangle: three indices and a material.
+pub(crate) const TRIANGLE_BYTES: u64 = 4 * 4;
+
+pub(crate) struct LimitCheck<'a> {
+    pub(crate) adapter: &'a str,
+    pub(crate) limits: &'a wgpu::Limits,
+}
+
+impl LimitCheck<'_> {
+    fn at_most(
+        &self,
+        what: impl Into<String>,
+        needed: u64,
+        allowed: u64,
+        limit: &'static str,
+        way_out: &'static str,
+    ) -> Result<(), GpuError> {
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(GpuError::Limit { what: what.into(), needed, allowed, limit, adapter: self.adapter.into(), way_out })
+    }
+
+    fn buffer(&self, what: &str, bytes: u64, way_out: &'static str) -> Result<(), GpuError> {
+        let binding = self.limits.max_storage_buffer_binding_size;
+        let what = format!("{what} in bytes");
+        self.at_most(what.clone(), bytes, binding, "maxStorageBufferBindingSize", way_out)?;
+        self.at_most(what, bytes, self.limits.max_buffer_size, "maxBufferSize", way_out)
+    }
+
+    /// A scene's buffers.
+    pub(crate) fn scene(&self, scene: &Scene, surfaces: &Surfaces) -> Result<(), GpuError> {
+        const WAY_OUT: &str = "use the CPU backend or a simpler scene";
+        self.buffer("the scene's vertices", scene.vertices().positions.len() as u64 * VERTEX_BYTES, WAY_OUT)?;
+        self.buffer("the scene's triangles", scene.triangles().len() as u64 * TRIANGLE_BYTES, WAY_OUT)?;
+        self.buffer("the scene's textures", surfaces.words.len() as u64 * 4, WAY_OUT)
+    }
+
+    /// A frame's textures and buffers.
+    pub(crate) fn frame(&self, plan: &FramePlan) -> Result<(), GpuError> {
+        let size = u64::from(self.limits.max_texture_dimension_2d);
+        let camera = &plan.camera;
+        for (what, pixels) in [("the picture's width in pixels", camera.width), ("the picture's height in pixels", camera.height)] {
+            self.at_most(what, u64::from(pixels), size, "maxTextureDimension2D", "render a smaller picture")?;
+        }
+        let map = u64::from(plan.map_size);
+        self.at_most("the width of a shadow map in texels", map, size, "maxTextureDimension2D", "choose a smaller --map-size")?;
+        let layers = plan.views.len() as u64;
+        let allowed = u64::from(self.limits.max_texture_array_layers);
+        self.at_most(
+            "the number of shadow maps",
+            layers,
+            allowed,
+            "maxTextureArrayLayers",
+            "use fewer lights (a point light takes six maps)",
+        )?;
+        let pixels = u64::from(camera.width) * u64::from(camera.height);
+        self.buffer("the picture's colour", pixels * 16, "render a smaller picture")?;
+        self.buffer("the visibility of all lights", pixels * 4 * plan.lights.len() as u64, "render a smaller picture or use fewer lights")?;
+        self.buffer("a shadow map", map * map * 4, "choose a smaller --map-size")
+    }
+}

@@ -1,0 +1,244 @@
+//! Pipelines and the layouts of what is bound to them.
+
+use crate::shaders::{
+    self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, VISIBILITY_MODULE,
+};
+
+/// The format of shadow maps and of the camera's depth.
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The format of the camera's triangle indices.
+pub(crate) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+
+/// The layouts of the bind groups, by what they bind.
+pub(crate) struct Layouts {
+    pub(crate) geometry: wgpu::BindGroupLayout,
+    pub(crate) surfaces: wgpu::BindGroupLayout,
+    pub(crate) views: wgpu::BindGroupLayout,
+    pub(crate) camera: wgpu::BindGroupLayout,
+    pub(crate) visibility: wgpu::BindGroupLayout,
+    pub(crate) color: wgpu::BindGroupLayout,
+    pub(crate) readback: wgpu::BindGroupLayout,
+    pub(crate) readback_id: wgpu::BindGroupLayout,
+}
+
+/// One pipeline for each kind of run of triangles, and one for each compute pass.
+pub(crate) struct Pipelines {
+    pub(crate) layouts: Layouts,
+    pub(crate) map_opaque: wgpu::RenderPipeline,
+    pub(crate) map_masked: wgpu::RenderPipeline,
+    /// By `[is_masked][culls_back_faces]`.
+    pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
+    pub(crate) visibility: wgpu::ComputePipeline,
+    pub(crate) color: wgpu::ComputePipeline,
+    pub(crate) readback: wgpu::ComputePipeline,
+    pub(crate) readback_id: wgpu::ComputePipeline,
+}
+
+const GRAPHICS: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
+
+const UNIFORM: wgpu::BindingType =
+    wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
+
+const fn storage(read_only: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+const fn texture(sample_type: wgpu::TextureSampleType, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}
+
+/// Depths are bound as numbers that cannot be filtered: the same binding takes a depth texture and an upload.
+const DEPTHS: wgpu::BindingType =
+    texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2Array);
+const IDS: wgpu::BindingType = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
+
+/// A layout whose bindings are numbered from 0.
+fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    visibility: wgpu::ShaderStages,
+    bindings: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(bindings)
+        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+impl Layouts {
+    fn new(device: &wgpu::Device) -> Self {
+        let read = storage(true);
+        let write = storage(false);
+        Self {
+            geometry: layout(device, "geometry", GRAPHICS | COMPUTE, &[read, read, UNIFORM]),
+            surfaces: layout(device, "surfaces", GRAPHICS | COMPUTE, &[read, read]),
+            views: layout(device, "views", GRAPHICS, &[read]),
+            camera: layout(device, "camera", GRAPHICS, &[UNIFORM]),
+            visibility: layout(device, "visibility", COMPUTE, &[UNIFORM, read, read, DEPTHS, IDS, write]),
+            color: layout(device, "color", COMPUTE, &[UNIFORM, read, IDS, read, write]),
+            readback: layout(device, "readback", COMPUTE, &[DEPTHS, UNIFORM, write]),
+            readback_id: layout(device, "readback of ids", COMPUTE, &[IDS, write]),
+        }
+    }
+}
+
+fn module(device: &wgpu::Device, label: &str, files: &[ShaderFile]) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(shaders::join(files).into());
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
+}
+
+fn pipeline_layout(device: &wgpu::Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+/// What differs between the render pipelines.
+struct RenderStyle<'a> {
+    label: &'a str,
+    layout: &'a wgpu::PipelineLayout,
+    module: &'a wgpu::ShaderModule,
+    vertex: &'a str,
+    fragment: Option<&'a str>,
+    positions_as_attribute: bool,
+    target: Option<wgpu::TextureFormat>,
+    cull_mode: Option<wgpu::Face>,
+    depth_compare: wgpu::CompareFunction,
+}
+
+fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::RenderPipeline {
+    let position = wgpu::VertexBufferLayout {
+        array_stride: 12,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &[wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x3, offset: 0, shader_location: 0 }],
+    };
+    let buffers = [Some(position)];
+    let targets: Vec<_> = style.target.into_iter().map(|format| Some(format.into())).collect();
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(style.label),
+        layout: Some(style.layout),
+        vertex: wgpu::VertexState {
+            module: style.module,
+            entry_point: Some(style.vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: if style.positions_as_attribute { &buffers } else { &[] },
+        },
+        primitive: wgpu::PrimitiveState { cull_mode: style.cull_mode, ..Default::default() },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(style.depth_compare),
+            stencil: wgpu::StencilState::default(),
+            // Bias lives in the receiver's mathematics: the units of this one are the driver's.
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: style.fragment.map(|entry_point| wgpu::FragmentState {
+            module: style.module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn compute_pipeline(
+    device: &wgpu::Device,
+    entry_point: &str,
+    files: &[ShaderFile],
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::ComputePipeline {
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: Some(&pipeline_layout(device, entry_point, groups)),
+        module: &module(device, entry_point, files),
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+impl Pipelines {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        let layouts = Layouts::new(device);
+        let map_layout = pipeline_layout(device, "shadow map", &[&layouts.geometry, &layouts.surfaces, &layouts.views]);
+        let map_module = module(device, "shadow map", SHADOW_MAP_MODULE);
+        let map_style = RenderStyle {
+            label: "shadow map, opaque",
+            layout: &map_layout,
+            module: &map_module,
+            vertex: "opaque_vertex",
+            fragment: None,
+            positions_as_attribute: true,
+            target: None,
+            // Casters are never culled: a single-sided wall shadows from behind too.
+            cull_mode: None,
+            depth_compare: wgpu::CompareFunction::Less,
+        };
+        let map_opaque = render_pipeline(device, &map_style);
+        let map_masked = render_pipeline(
+            device,
+            &RenderStyle {
+                label: "shadow map, masked",
+                vertex: "masked_vertex",
+                fragment: Some("masked_fragment"),
+                positions_as_attribute: false,
+                ..map_style
+            },
+        );
+
+        let camera_layout = pipeline_layout(device, "camera", &[&layouts.geometry, &layouts.surfaces, &layouts.camera]);
+        let camera_module = module(device, "camera", CAMERA_MODULE);
+        let camera_pipeline = |label: &str, fragment: &str, cull_mode: Option<wgpu::Face>| {
+            let style = RenderStyle {
+                label,
+                layout: &camera_layout,
+                module: &camera_module,
+                vertex: "camera_vertex",
+                fragment: Some(fragment),
+                positions_as_attribute: false,
+                target: Some(ID_FORMAT),
+                cull_mode,
+                // Reversed depth; of equals the first drawn stays, which is the triangle with the lowest index.
+                depth_compare: wgpu::CompareFunction::Greater,
+            };
+            render_pipeline(device, &style)
+        };
+        let camera = [
+            [
+                camera_pipeline("camera, opaque, double-sided", "opaque_fragment", None),
+                camera_pipeline("camera, opaque, single-sided", "opaque_fragment", Some(wgpu::Face::Back)),
+            ],
+            [
+                camera_pipeline("camera, masked, double-sided", "masked_fragment", None),
+                camera_pipeline("camera, masked, single-sided", "masked_fragment", Some(wgpu::Face::Back)),
+            ],
+        ];
+        Self {
+            map_opaque,
+            map_masked,
+            camera,
+            visibility: compute_pipeline(
+                device,
+                "resolve_visibility",
+                VISIBILITY_MODULE,
+                &[&layouts.geometry, &layouts.visibility],
+            ),
+            color: compute_pipeline(device, "resolve_color", COLOR_MODULE, &[&layouts.geometry, &layouts.surfaces, &layouts.color]),
+            readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),
+            readback_id: compute_pipeline(device, "read_id", READBACK_ID_MODULE, &[&layouts.readback_id]),
+            layouts,
+        }
+    }
+}

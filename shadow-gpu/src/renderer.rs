@@ -1,0 +1,605 @@
+//! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use shadow_math::plan::{LightPlan, ViewPlan};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+use wgpu::BufferUsages;
+
+use crate::{
+    adapter::{AdapterSummary, choose_adapter, new_instance},
+    buffers::{buffer_with, output_buffer, surface_bytes, triangle_words, vertex_floats},
+    clock::{Instant, milliseconds},
+    error::GpuError,
+    limits::LimitCheck,
+    pipelines::{DEPTH_FORMAT, ID_FORMAT, Pipelines},
+    readback::read_buffer,
+    wait::submitted_work,
+};
+
+/// Width and height of a compute workgroup in pixels, as the shaders have it.
+const WORKGROUP: u32 = 8;
+
+/// A renderer on one adapter.
+pub struct GpuRenderer {
+    summary: AdapterSummary,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pipelines: Pipelines,
+    /// The first error that the driver reported outside of any call that could return it.
+    driver_error: Arc<Mutex<Option<String>>>,
+}
+
+/// A scene in the GPU's memory.
+pub struct GpuScene {
+    geometry: wgpu::BindGroup,
+    surfaces: wgpu::BindGroup,
+    vertices: wgpu::Buffer,
+    triangles: wgpu::Buffer,
+    passes: [std::ops::Range<u32>; Pass::COUNT],
+}
+
+/// The plan of a frame in the GPU's memory.
+struct PlanBuffers {
+    camera: wgpu::Buffer,
+    lights: wgpu::Buffer,
+    views: wgpu::Buffer,
+}
+
+/// Shadow maps in the GPU's memory: one layer a view.
+pub struct GpuMaps {
+    texture: wgpu::Texture,
+}
+
+/// What the camera sees, in the GPU's memory.
+pub struct GpuCameraBuffer {
+    ids: wgpu::Texture,
+    depth: wgpu::Texture,
+}
+
+/// The visibility of every light at every pixel, in the GPU's memory; the lights of a pixel lie side by side.
+pub struct GpuVisibility {
+    buffer: wgpu::Buffer,
+}
+
+/// The colour of every pixel, in the GPU's memory.
+pub struct GpuColor {
+    buffer: wgpu::Buffer,
+}
+
+/// A frame and how long it took.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The layers that were asked for.
+    pub frame: Frame,
+    /// How long each stage took on the wall, from its submission until the GPU was done; reading back is not part of it.
+    pub times: StageTimes,
+}
+
+impl GpuRenderer {
+    /// Opens the adapter whose name contains `adapter`; without a name the one that `WGPU_ADAPTER_NAME` names, else the one that wgpu
+    /// prefers.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NoAdapter`], [`GpuError::Device`], [`GpuError::Unsupported`] and [`GpuError::Driver`].
+    pub async fn new(adapter: Option<&str>) -> Result<Self, GpuError> {
+        let adapter = choose_adapter(&new_instance(), adapter).await?;
+        let summary = AdapterSummary::of(&adapter);
+        let flags = adapter.get_downlevel_capabilities().flags;
+        let needed = [
+            (wgpu::DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
+            (wgpu::DownlevelFlags::VERTEX_STORAGE, "storage buffers in vertex shaders"),
+        ];
+        for (flag, what) in needed {
+            if !flags.contains(flag) {
+                return Err(GpuError::Unsupported { adapter: summary.name, what });
+            }
+        }
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("shadow-gpu"),
+            // All that the adapter has: real scenes need buffers beyond WebGPU's smallest.
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = adapter
+            .request_device(&descriptor)
+            .await
+            .map_err(|source| GpuError::Device { adapter: summary.name.clone(), source })?;
+        let driver_error = Arc::new(Mutex::new(None));
+        let slot = Arc::clone(&driver_error);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
+        }));
+        let pipelines = Pipelines::new(&device);
+        let renderer = Self { summary, device, queue, pipelines, driver_error };
+        renderer.check_driver()?;
+        Ok(renderer)
+    }
+
+    /// What is known of the adapter.
+    #[must_use]
+    pub fn adapter(&self) -> &AdapterSummary {
+        &self.summary
+    }
+
+    /// The device, for those who run shaders of their own beside the renderer's.
+    #[must_use]
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The device's queue.
+    #[must_use]
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    fn check_driver(&self) -> Result<(), GpuError> {
+        match self.driver_error.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            None => Ok(()),
+            Some(message) => Err(GpuError::Driver { adapter: self.summary.name.clone(), message }),
+        }
+    }
+
+    fn limits(&self) -> wgpu::Limits {
+        self.device.limits()
+    }
+
+    /// Submits a stage and waits until the GPU has done it.
+    async fn finish(&self, encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
+        self.queue.submit([encoder.finish()]);
+        submitted_work(&self.device, &self.queue).await;
+        self.check_driver()
+    }
+
+    fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
+    fn bind(&self, label: &str, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+        let entries: Vec<_> =
+            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() }).collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    }
+
+    /// Brings a scene into the GPU's memory.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
+    pub async fn upload(&self, scene: &Scene) -> Result<GpuScene, GpuError> {
+        let surfaces = Surfaces::of(scene);
+        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.scene(scene, &surfaces)?;
+        let vertices = buffer_with(
+            &self.device,
+            "vertices",
+            BufferUsages::STORAGE | BufferUsages::VERTEX,
+            bytemuck::cast_slice(&vertex_floats(scene)),
+        );
+        let triangles = buffer_with(
+            &self.device,
+            "triangles",
+            BufferUsages::STORAGE | BufferUsages::INDEX,
+            bytemuck::cast_slice(&triangle_words(scene)),
+        );
+        let counts = [scene.vertices().positions.len() as u32, scene.triangles().len() as u32, 0, 0];
+        let counts = buffer_with(&self.device, "geometry", BufferUsages::UNIFORM, bytemuck::cast_slice(&counts));
+        let (materials, words) = surface_bytes(&surfaces);
+        let materials = buffer_with(&self.device, "materials", BufferUsages::STORAGE, materials);
+        let words = buffer_with(&self.device, "texels", BufferUsages::STORAGE, words);
+        let layouts = &self.pipelines.layouts;
+        let geometry = [vertices.as_entire_binding(), triangles.as_entire_binding(), counts.as_entire_binding()];
+        let scene = GpuScene {
+            geometry: self.bind("geometry", &layouts.geometry, &geometry),
+            surfaces: self.bind("surfaces", &layouts.surfaces, &[materials.as_entire_binding(), words.as_entire_binding()]),
+            vertices,
+            triangles,
+            passes: Pass::ALL.map(|pass| scene.pass_triangles(pass)),
+        };
+        self.finish(self.encoder("upload")).await?;
+        Ok(scene)
+    }
+
+    fn plan_buffers(&self, plan: &FramePlan) -> PlanBuffers {
+        // A scene without lights still needs something to bind.
+        let lights: &[LightPlan] = if plan.lights.is_empty() { &[bytemuck::Zeroable::zeroed()] } else { &plan.lights };
+        let views: &[ViewPlan] = if plan.views.is_empty() { &[bytemuck::Zeroable::zeroed()] } else { &plan.views };
+        PlanBuffers {
+            camera: buffer_with(&self.device, "camera", BufferUsages::UNIFORM, bytemuck::bytes_of(&plan.camera)),
+            lights: buffer_with(&self.device, "lights", BufferUsages::STORAGE, bytemuck::cast_slice(lights)),
+            views: buffer_with(&self.device, "views", BufferUsages::STORAGE, bytemuck::cast_slice(views)),
+        }
+    }
+
+    fn texture(
+        &self,
+        label: &str,
+        [width, height, layers]: [u32; 3],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        })
+    }
+
+    /// Renders all shadow maps of a plan.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Limit`] if they do not fit, [`GpuError::Driver`].
+    pub async fn shadow_maps(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuMaps, GpuError> {
+        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        let layers = (plan.views.len() as u32).max(1);
+        let size = [plan.map_size, plan.map_size, layers];
+        let texture = self.texture("shadow maps", size, DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let buffers = self.plan_buffers(plan);
+        let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
+        let mut encoder = self.encoder("shadow maps");
+        for view in 0..plan.views.len() as u32 {
+            let layer = texture.create_view(&wgpu::TextureViewDescriptor {
+                label: Some("shadow map"),
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: plan.views[view as usize].layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            });
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shadow map"),
+                color_attachments: &[],
+                depth_stencil_attachment: Some(depth_attachment(&layer, 1.0)),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &scene.geometry, &[]);
+            pass.set_bind_group(1, &scene.surfaces, &[]);
+            pass.set_bind_group(2, &views, &[]);
+            pass.set_vertex_buffer(0, scene.vertices.slice(..));
+            pass.set_index_buffer(scene.triangles.slice(..), wgpu::IndexFormat::Uint32);
+            for run in Pass::ALL {
+                let triangles = scene.passes[run as usize].clone();
+                if triangles.is_empty() {
+                    continue;
+                }
+                let corners = 3 * triangles.start..3 * triangles.end;
+                if run.is_masked() {
+                    pass.set_pipeline(&self.pipelines.map_masked);
+                    pass.draw(corners, view..view + 1);
+                } else {
+                    pass.set_pipeline(&self.pipelines.map_opaque);
+                    pass.draw_indexed(corners, 0, view..view + 1);
+                }
+            }
+        }
+        self.finish(encoder).await?;
+        Ok(GpuMaps { texture })
+    }
+
+    /// Brings shadow maps that were made elsewhere into the GPU's memory: one layer of `size * size` depths a view.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn upload_maps(&self, size: u32, layers: &[impl AsRef<[f32]>]) -> Result<GpuMaps, GpuError> {
+        let count = (layers.len() as u32).max(1);
+        let format = wgpu::TextureFormat::R32Float;
+        let texture = self.texture("uploaded shadow maps", [size, size, count], format, wgpu::TextureUsages::COPY_DST);
+        for (layer, depths) in (0..).zip(layers) {
+            self.queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                bytemuck::cast_slice(depths.as_ref()),
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size), rows_per_image: Some(size) },
+                wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            );
+        }
+        self.finish(self.encoder("upload of shadow maps")).await?;
+        Ok(GpuMaps { texture })
+    }
+
+    /// Renders what the camera sees.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Limit`] if the picture does not fit, [`GpuError::Driver`].
+    pub async fn camera(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuCameraBuffer, GpuError> {
+        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        let size = [plan.camera.width, plan.camera.height, 1];
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let ids = self.texture("triangles seen", size, ID_FORMAT, usage);
+        let depth = self.texture("camera depth", size, DEPTH_FORMAT, usage);
+        let buffers = self.plan_buffers(plan);
+        let camera = self.bind("camera", &self.pipelines.layouts.camera, &[buffers.camera.as_entire_binding()]);
+        let mut encoder = self.encoder("camera");
+        {
+            let ids_view = ids.create_view(&wgpu::TextureViewDescriptor::default());
+            let depth_view = depth.create_view(&wgpu::TextureViewDescriptor::default());
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("camera"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &ids_view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        // Every bit set: NO_TRIANGLE, which f64 holds exactly.
+                        load: wgpu::LoadOp::Clear(wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 }),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: Some(depth_attachment(&depth_view, 0.0)),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &scene.geometry, &[]);
+            pass.set_bind_group(1, &scene.surfaces, &[]);
+            pass.set_bind_group(2, &camera, &[]);
+            for run in Pass::ALL {
+                let triangles = scene.passes[run as usize].clone();
+                if !triangles.is_empty() {
+                    let pipelines = &self.pipelines.camera[usize::from(run.is_masked())];
+                    pass.set_pipeline(&pipelines[usize::from(run.culls_back_faces())]);
+                    pass.draw(3 * triangles.start..3 * triangles.end, 0..1);
+                }
+            }
+        }
+        self.finish(encoder).await?;
+        Ok(GpuCameraBuffer { ids, depth })
+    }
+
+    /// Computes the visibility of every light at every pixel.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn visibility(
+        &self,
+        scene: &GpuScene,
+        plan: &FramePlan,
+        camera: &GpuCameraBuffer,
+        maps: &GpuMaps,
+    ) -> Result<GpuVisibility, GpuError> {
+        let values = pixel_count(plan) * plan.lights.len();
+        let buffer = output_buffer(&self.device, "visibility", 4 * values as u64);
+        let buffers = self.plan_buffers(plan);
+        let maps = maps.texture.create_view(&depth_array_view());
+        let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
+        let group = self.bind(
+            "visibility",
+            &self.pipelines.layouts.visibility,
+            &[
+                buffers.camera.as_entire_binding(),
+                buffers.lights.as_entire_binding(),
+                buffers.views.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&maps),
+                wgpu::BindingResource::TextureView(&ids),
+                buffer.as_entire_binding(),
+            ],
+        );
+        let mut encoder = self.encoder("visibility");
+        self.compute(&mut encoder, &self.pipelines.visibility, &[&scene.geometry, &group], [plan.camera.width, plan.camera.height]);
+        self.finish(encoder).await?;
+        Ok(GpuVisibility { buffer })
+    }
+
+    /// Computes the colour of every pixel.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn color(
+        &self,
+        scene: &GpuScene,
+        plan: &FramePlan,
+        camera: &GpuCameraBuffer,
+        visibility: &GpuVisibility,
+    ) -> Result<GpuColor, GpuError> {
+        let buffer = output_buffer(&self.device, "color", 16 * pixel_count(plan) as u64);
+        let buffers = self.plan_buffers(plan);
+        let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
+        let group = self.bind(
+            "color",
+            &self.pipelines.layouts.color,
+            &[
+                buffers.camera.as_entire_binding(),
+                buffers.lights.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&ids),
+                visibility.buffer.as_entire_binding(),
+                buffer.as_entire_binding(),
+            ],
+        );
+        let mut encoder = self.encoder("color");
+        let groups = [&scene.geometry, &scene.surfaces, &group];
+        self.compute(&mut encoder, &self.pipelines.color, &groups, [plan.camera.width, plan.camera.height]);
+        self.finish(encoder).await?;
+        Ok(GpuColor { buffer })
+    }
+
+    /// Records a compute pass with one invocation for each pixel.
+    fn compute(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::ComputePipeline,
+        groups: &[&wgpu::BindGroup],
+        [width, height]: [u32; 2],
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        for (index, group) in (0..).zip(groups) {
+            pass.set_bind_group(index, *group, &[]);
+        }
+        pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
+    }
+
+    async fn read_depths(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>, GpuError> {
+        let count = texture.width() as usize * texture.height() as usize;
+        let destination = output_buffer(&self.device, "depths read back", 4 * count as u64);
+        let selected = buffer_with(&self.device, "layer", BufferUsages::UNIFORM, bytemuck::bytes_of(&layer));
+        let view = texture.create_view(&depth_array_view());
+        let group = self.bind(
+            "readback",
+            &self.pipelines.layouts.readback,
+            &[
+                wgpu::BindingResource::TextureView(&view),
+                selected.as_entire_binding(),
+                destination.as_entire_binding(),
+            ],
+        );
+        let mut encoder = self.encoder("read depths back");
+        self.compute(&mut encoder, &self.pipelines.readback, &[&group], [texture.width(), texture.height()]);
+        self.queue.submit([encoder.finish()]);
+        let depths = read_buffer(&self.device, &self.queue, &destination, count).await?;
+        self.check_driver()?;
+        Ok(depths)
+    }
+
+    /// Reads one layer of shadow maps back: depths row by row from the top.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn read_map(&self, maps: &GpuMaps, layer: u32) -> Result<Vec<f32>, GpuError> {
+        self.read_depths(&maps.texture, layer).await
+    }
+
+    /// Reads the camera's triangle indices and depths back.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn read_camera(&self, camera: &GpuCameraBuffer) -> Result<(Vec<u32>, Vec<f32>), GpuError> {
+        let count = camera.ids.width() as usize * camera.ids.height() as usize;
+        let destination = output_buffer(&self.device, "triangles read back", 4 * count as u64);
+        let view = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
+        let group = self.bind(
+            "readback of ids",
+            &self.pipelines.layouts.readback_id,
+            &[wgpu::BindingResource::TextureView(&view), destination.as_entire_binding()],
+        );
+        let mut encoder = self.encoder("read triangles back");
+        self.compute(&mut encoder, &self.pipelines.readback_id, &[&group], [camera.ids.width(), camera.ids.height()]);
+        self.queue.submit([encoder.finish()]);
+        let ids = read_buffer(&self.device, &self.queue, &destination, count).await?;
+        Ok((ids, self.read_depths(&camera.depth, 0).await?))
+    }
+
+    /// Reads visibilities back, the lights of a pixel side by side.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn read_visibility(&self, visibility: &GpuVisibility, plan: &FramePlan) -> Result<Vec<f32>, GpuError> {
+        read_buffer(&self.device, &self.queue, &visibility.buffer, pixel_count(plan) * plan.lights.len()).await
+    }
+
+    /// Reads colours back.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Driver`].
+    pub async fn read_color(&self, color: &GpuColor, plan: &FramePlan) -> Result<Vec<[f32; 4]>, GpuError> {
+        read_buffer(&self.device, &self.queue, &color.buffer, pixel_count(plan)).await
+    }
+
+    /// Renders a frame: all stages in a row.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Limit`] if something does not fit, [`GpuError::Driver`].
+    pub async fn render(&self, scene: &GpuScene, plan: &FramePlan, request: Request) -> Result<Rendered, GpuError> {
+        self.render_with(scene, plan, request, None).await
+    }
+
+    /// [`Self::render`] with shadow maps that are already there, if some are given.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::render`].
+    pub async fn render_with(
+        &self,
+        scene: &GpuScene,
+        plan: &FramePlan,
+        request: Request,
+        maps: Option<GpuMaps>,
+    ) -> Result<Rendered, GpuError> {
+        let start = Instant::now();
+        let camera = self.camera(scene, plan).await?;
+        let camera_done = Instant::now();
+        let maps = match maps {
+            Some(maps) => maps,
+            None => self.shadow_maps(scene, plan).await?,
+        };
+        let maps_done = Instant::now();
+        let visibility = self.visibility(scene, plan, &camera, &maps).await?;
+        let color = if request.color { Some(self.color(scene, plan, &camera, &visibility).await?) } else { None };
+        let shading_done = Instant::now();
+        let times = StageTimes {
+            prepare: 0.0,
+            camera: milliseconds(start, camera_done),
+            shadow_maps: milliseconds(camera_done, maps_done),
+            shading: milliseconds(maps_done, shading_done),
+        };
+
+        let (width, height) = (plan.camera.width, plan.camera.height);
+        let mut layers = Vec::new();
+        if request.camera {
+            let (ids, depth) = self.read_camera(&camera).await?;
+            layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(ids) });
+            layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(depth) });
+        }
+        if request.shadow_maps {
+            for (light, light_plan) in (0..).zip(&plan.lights) {
+                for view in 0..light_plan.view_count {
+                    let depths = self.read_map(&maps, light_plan.first_view + view).await?;
+                    let name = LayerName::ShadowMap { light, view };
+                    layers.push(Layer { name, width: plan.map_size, height: plan.map_size, pixels: Pixels::Float(depths) });
+                }
+            }
+        }
+        if request.visibility {
+            let values = self.read_visibility(&visibility, plan).await?;
+            for light in 0..plan.lights.len() {
+                let of_light = values.iter().skip(light).step_by(plan.lights.len()).copied().collect();
+                let name = LayerName::Visibility { light: light as u32 };
+                layers.push(Layer { name, width, height, pixels: Pixels::Float(of_light) });
+            }
+        }
+        if let Some(color) = color {
+            let pixels = Pixels::Rgba(self.read_color(&color, plan).await?);
+            layers.push(Layer { name: LayerName::Color, width, height, pixels });
+        }
+        self.check_driver()?;
+        Ok(Rendered { frame: Frame { layers }, times })
+    }
+}
+
+fn pixel_count(plan: &FramePlan) -> usize {
+    plan.camera.width as usize * plan.camera.height as usize
+}
+
+/// A view of the depths of all layers.
+fn depth_array_view() -> wgpu::TextureViewDescriptor<'static> {
+    wgpu::TextureViewDescriptor {
+        label: Some("depths"),
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    }
+}
+
+/// A depth attachment that is cleared first and kept.
+fn depth_attachment(view: &wgpu::TextureView, clear: f32) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
+    }
+}

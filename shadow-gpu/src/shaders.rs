@@ -1,0 +1,65 @@
+//! The WGSL sources. A module is a few files joined; WGSL does not mind their order.
+
+/// One file of shader source.
+#[derive(Clone, Copy, Debug)]
+pub struct ShaderFile {
+    /// The file's stem: the Rust module that it mirrors has the same.
+    pub stem: &'static str,
+    /// The source.
+    pub source: &'static str,
+}
+
+macro_rules! shader_files {
+    ($($name:ident = $stem:literal),* $(,)?) => {
+        $(
+            #[doc = concat!("`", $stem, ".wgsl`")]
+            pub const $name: ShaderFile = ShaderFile { stem: $stem, source: include_str!(concat!("shaders/", $stem, ".wgsl")) };
+        )*
+        /// Every file.
+        pub const ALL: &[ShaderFile] = &[$($name),*];
+    };
+}
+
+shader_files! {
+    PLAN = "plan",
+    VECTOR = "vector",
+    LIGHT = "light",
+    TRIANGLE = "triangle",
+    BIAS = "bias",
+    FILTER = "filter",
+    VISIBILITY = "visibility",
+    APPROX = "approx",
+    SRGB = "srgb",
+    MATERIAL = "material",
+    SHADE = "shade",
+    RESOLVE = "resolve",
+    GEOMETRY = "geometry",
+    SURFACES = "surfaces",
+    SHADOW_MAP = "shadow_map",
+    CAMERA = "camera",
+    RESOLVE_VISIBILITY = "resolve_visibility",
+    RESOLVE_COLOR = "resolve_color",
+    READBACK = "readback",
+    READBACK_ID = "readback_id",
+}
+
+/// The files of the shadow map passes.
+pub const SHADOW_MAP_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, SHADOW_MAP];
+/// The files of the camera pass.
+pub const CAMERA_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, CAMERA];
+/// The files of the visibility pass.
+pub const VISIBILITY_MODULE: &[ShaderFile] =
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, RESOLVE, GEOMETRY, RESOLVE_VISIBILITY];
+/// The files of the colour pass.
+pub const COLOR_MODULE: &[ShaderFile] =
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, RESOLVE, GEOMETRY, SURFACES, RESOLVE_COLOR];
+/// The files that read depths back.
+pub const READBACK_MODULE: &[ShaderFile] = &[READBACK];
+/// The files that read triangle indices back.
+pub const READBACK_ID_MODULE: &[ShaderFile] = &[READBACK_ID];
+
+/// The source of a module.
+#[must_use]
+pub fn join(files: &[ShaderFile]) -> String {
+    files.iter().map(|file| file.source).collect::<Vec<_>>().join("\n")
+}
