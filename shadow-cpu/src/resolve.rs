@@ -1,6 +1,6 @@
 //! From the visibility buffer to visibility and colour: once a pixel, from the triangle's vertices.
 //!
-//! Mirrored by `resolve.wgsl`.
+//! Mirrored by `resolve_visibility.wgsl`, `resolve_color.wgsl` and `surfaces.wgsl`.
 
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
@@ -8,9 +8,9 @@ use shadow_math::{
     material::{FLAG_MASK, base_color},
     plan::{CameraPlan, PixelRays},
     shade::{BACKGROUND, Surface, shade_ambient, shade_light},
-    triangle::{Ray, TrianglePoint, pixel_ray, triangle_point},
+    triangle::{TrianglePoint, pixel_ray, turned_to_viewer},
     vector::normalized,
-    visibility::{MapAccess, Receiver, visibility},
+    visibility::{MapAccess, visibility},
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
 
@@ -50,14 +50,6 @@ impl SceneView<'_> {
         self.scene.triangles()[triangle as usize].map(|corner| corner as usize)
     }
 
-    /// The point of a triangle that a ray meets.
-    #[inline]
-    fn point(&self, triangle: u32, ray: Ray) -> TrianglePoint {
-        let [i0, i1, i2] = self.corners(triangle);
-        let positions = &self.scene.vertices().positions;
-        triangle_point(ray, positions[i0], positions[i1], positions[i2])
-    }
-
     /// The colour and alpha of a triangle's surface at a point of it.
     #[inline]
     fn color(&self, triangle: u32, hit: &TrianglePoint) -> Vec4 {
@@ -88,18 +80,9 @@ impl AlphaTest for SceneAlphaTest<'_> {
             return true;
         }
         let ray = pixel_ray(self.rays, x as f32 + 0.5, y as f32 + 0.5);
-        let hit = self.view.point(triangle, ray);
+        let hit = self.view.scene.point(triangle, ray);
         self.view.color(triangle, &hit).w >= material.alpha_cutoff
     }
-}
-
-/// A vector turned to the side of the triangle that the ray comes from, given the vector's side of the geometric normal.
-#[inline]
-fn turned_to_viewer(v: Vec3, geometric_normal: Vec3, ray: Ray) -> Vec3 {
-    if geometric_normal.dot(ray.direction) > 0.0 {
-        return -v;
-    }
-    v
 }
 
 /// The visibility of every light at every pixel, the lights of a pixel side by side: 1 where there is nothing.
@@ -140,20 +123,12 @@ impl Kernel for VisibilityKernel<'_> {
                 continue;
             }
             let ray = pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5);
-            let receiver = receiver_at(view, triangle, ray);
+            let receiver = view.scene.receiver(triangle, ray);
             for (light, out) in plan.lights.iter().zip(out) {
                 *out = visibility(light, &plan.views, maps, &receiver);
             }
         }
     }
-}
-
-/// The receiver that a ray sees on a triangle.
-#[inline]
-#[must_use]
-pub fn receiver_at(view: SceneView<'_>, triangle: u32, ray: Ray) -> Receiver {
-    let hit = view.point(triangle, ray);
-    Receiver { point: hit.point, normal: turned_to_viewer(hit.normal, hit.normal, ray) }
 }
 
 /// The colour of every pixel, linear, after exposure.
@@ -202,7 +177,7 @@ fn pixel_color(view: SceneView<'_>, plan: &FramePlan, triangle: u32, x: f32, y: 
     }
     let camera: &CameraPlan = &plan.camera;
     let ray = pixel_ray(&camera.rays, x, y);
-    let hit = view.point(triangle, ray);
+    let hit = view.scene.point(triangle, ray);
     let base = view.color(triangle, &hit);
     let [i0, i1, i2] = view.corners(triangle);
     let normals = &view.scene.vertices().normals;

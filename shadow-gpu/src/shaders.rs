@@ -32,7 +32,6 @@ shader_files! {
     SRGB = "srgb",
     MATERIAL = "material",
     SHADE = "shade",
-    RESOLVE = "resolve",
     GEOMETRY = "geometry",
     SURFACES = "surfaces",
     SHADOW_MAP = "shadow_map",
@@ -49,10 +48,10 @@ pub const SHADOW_MAP_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL,
 pub const CAMERA_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, CAMERA];
 /// The files of the visibility pass.
 pub const VISIBILITY_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, RESOLVE, GEOMETRY, RESOLVE_VISIBILITY];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, GEOMETRY, RESOLVE_VISIBILITY];
 /// The files of the colour pass.
 pub const COLOR_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, RESOLVE, GEOMETRY, SURFACES, RESOLVE_COLOR];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, GEOMETRY, SURFACES, RESOLVE_COLOR];
 /// The files that read depths back.
 pub const READBACK_MODULE: &[ShaderFile] = &[READBACK];
 /// The files that read triangle indices back.

@@ -70,6 +70,16 @@ pub fn triangle_point(ray: Ray, v0: Vec3, v1: Vec3, v2: Vec3) -> TrianglePoint {
     TrianglePoint { point, normal, u, v }
 }
 
+/// `v`, a vector on the side of the geometric normal, turned to the side that the ray comes from.
+#[inline]
+#[must_use]
+pub fn turned_to_viewer(v: Vec3, geometric_normal: Vec3, ray: Ray) -> Vec3 {
+    if geometric_normal.dot(ray.direction) > 0.0 {
+        return -v;
+    }
+    v
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

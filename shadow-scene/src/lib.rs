@@ -16,7 +16,7 @@ pub mod builtin;
 pub mod surfaces;
 pub mod frame_plan;
 pub mod frame;
-// pub mod compare;
+pub mod compare;
 
 pub use builder::{Mesh, SceneBuilder, SceneError};
 pub use frame::{Frame, Layer, LayerName, NO_TRIANGLE, Pixels, Request, StageTimes};

@@ -3,7 +3,11 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use shadow_math::{Camera, Light, bounds::Aabb};
+use shadow_math::{
+    Camera, Light, Receiver,
+    bounds::Aabb,
+    triangle::{Ray, TrianglePoint, triangle_point, turned_to_viewer},
+};
 
 /// Everything that is drawn, resolved: there is no hierarchy, no unit to convert and no default left to fill in.
 ///
@@ -260,6 +264,31 @@ impl Scene {
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// The point of a triangle that a ray meets.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle.
+    #[inline]
+    #[must_use]
+    pub fn point(&self, triangle: u32, ray: Ray) -> TrianglePoint {
+        let [i0, i1, i2] = self.triangles[triangle as usize].map(|corner| corner as usize);
+        let positions = &self.vertices.positions;
+        triangle_point(ray, positions[i0], positions[i1], positions[i2])
+    }
+
+    /// The receiver that a ray sees on a triangle.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle.
+    #[inline]
+    #[must_use]
+    pub fn receiver(&self, triangle: u32, ray: Ray) -> Receiver {
+        let hit = self.point(triangle, ray);
+        Receiver { point: hit.point, normal: turned_to_viewer(hit.normal, hit.normal, ray) }
     }
 
     /// What a person should know about how the scene was made: defaults that were chosen, parts that were left out.

@@ -1,3 +1,7 @@
-//! The differential harness.
+//! The differential harness: what the tests across crates share.
+//!
+//! The tests themselves are in `tests/` beside it, one file a topic, joined into one program.
 
 pub mod mirror;
+pub mod renderers;
+pub mod report;

@@ -52,7 +52,6 @@ pub const MIRRORS: &[ShaderFile] = &[
     shaders::SRGB,
     shaders::MATERIAL,
     shaders::SHADE,
-    shaders::RESOLVE,
 ];
 
 /// Evaluates WGSL statements once for each group of `inputs_each` numbers and gives `outputs_each` numbers for each.

@@ -37,7 +37,7 @@ fn vertex_attributes(vertex: u32) -> VertexAttributes {
     return VertexAttributes(normal, uv, color);
 }
 
-// The point of a triangle that a ray meets: mirrors SceneView::point of shadow-cpu/src/resolve.rs.
+// The point of a triangle that a ray meets: mirrors Scene::point of shadow-scene/src/scene.rs.
 fn scene_point(triangle: u32, ray: Ray) -> TrianglePoint {
     let corners = triangle_corners(triangle);
     return triangle_point(ray, vertex_position(corners.x), vertex_position(corners.y), vertex_position(corners.z));

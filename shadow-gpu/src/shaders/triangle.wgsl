@@ -34,3 +34,10 @@ fn triangle_point(ray: Ray, v0: vec3f, v1: vec3f, v2: vec3f) -> TrianglePoint {
     let point = v0 + e1 * u + e2 * v;
     return TrianglePoint(point, normal, u, v);
 }
+
+fn turned_to_viewer(v: vec3f, geometric_normal: vec3f, ray: Ray) -> vec3f {
+    if dot3(geometric_normal, ray.direction) > 0.0 {
+        return -v;
+    }
+    return v;
+}
