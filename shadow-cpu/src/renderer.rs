@@ -23,7 +23,9 @@ pub enum CpuError {
         source: rayon::ThreadPoolBuildError,
     },
     /// The picture is too large.
-    #[error("a picture of {width} x {height} pixels is larger than the CPU renderer's limit of {MAX_TARGET_SIZE} on a side; render it smaller")]
+    #[error(
+        "a picture of {width} x {height} pixels is larger than the CPU renderer's limit of {MAX_TARGET_SIZE} on a side; render it smaller"
+    )]
     PictureSize {
         /// The width in pixels.
         width: u32,
@@ -105,11 +107,7 @@ impl CpuRenderer {
     pub fn shadow_maps(&self, prepared: &PreparedScene<'_>, plan: &FramePlan) -> ShadowMaps {
         let size = plan.map_size;
         let layers = plan.views.iter().map(|view| {
-            let target = Target {
-                clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w],
-                width: size,
-                height: size,
-            };
+            let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
             // Casters are never culled: a single-sided wall shadows from behind too.
             let runs = runs(prepared.scene, false);
@@ -227,7 +225,7 @@ fn into_frame(
     visibility: &[f32],
     color: Option<Vec<[f32; 4]>>,
 ) -> Frame {
-    let CameraPlanSize { width, height } = CameraPlanSize::of(plan);
+    let (width, height) = (plan.camera.width, plan.camera.height);
     let mut layers = Vec::new();
     if request.camera {
         layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(camera.triangles) });
@@ -252,17 +250,5 @@ fn into_frame(
     if let Some(color) = color {
         layers.push(Layer { name: LayerName::Color, width, height, pixels: Pixels::Rgba(color) });
     }
-    Frame { layers }
-}
-
-/// The size of the picture.
-struct CameraPlanSize {
-    width: u32,
-    height: u32,
-}
-
-impl CameraPlanSize {
-    fn of(plan: &FramePlan) -> Self {
-        Self { width: plan.camera.width, height: plan.camera.height }
-    }
+    Frame { source: "cpu".into(), layers }
 }

@@ -6,7 +6,8 @@ use shadow_scene::{Scene, Surfaces};
 pub(crate) fn buffer_with(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
     const SMALLEST: usize = 16;
     let size = contents.len().max(SMALLEST).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT as usize);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: size as u64, usage, mapped_at_creation: true });
+    let buffer =
+        device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: size as u64, usage, mapped_at_creation: true });
     if let Ok(mut range) = buffer.slice(..).get_mapped_range_mut() {
         range.slice(..contents.len()).copy_from_slice(contents);
     }

@@ -56,9 +56,11 @@ pub enum GpuError {
 
 fn no_adapter(wanted: Option<&str>, found: &[String]) -> String {
     match (wanted, found.is_empty()) {
-        (_, true) => "there is no graphics adapter; install a driver (on Debian and Ubuntu `apt-get install mesa-vulkan-drivers` gives a \
+        (_, true) => {
+            "there is no graphics adapter; install a driver (on Debian and Ubuntu `apt-get install mesa-vulkan-drivers` gives a \
                       software one) or use the CPU backend"
-            .into(),
+                .into()
+        }
         (Some(wanted), false) => format!("there is no adapter whose name contains `{wanted}`; there are: {}", found.join(", ")),
         (None, false) => format!("no adapter can be used; there are: {}", found.join(", ")),
     }

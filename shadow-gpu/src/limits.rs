@@ -48,7 +48,8 @@ impl LimitCheck<'_> {
     pub(crate) fn frame(&self, plan: &FramePlan) -> Result<(), GpuError> {
         let size = u64::from(self.limits.max_texture_dimension_2d);
         let camera = &plan.camera;
-        for (what, pixels) in [("the picture's width in pixels", camera.width), ("the picture's height in pixels", camera.height)] {
+        for (what, pixels) in [("the picture's width in pixels", camera.width), ("the picture's height in pixels", camera.height)]
+        {
             self.at_most(what, u64::from(pixels), size, "maxTextureDimension2D", "render a smaller picture")?;
         }
         let map = u64::from(plan.map_size);
@@ -64,7 +65,11 @@ impl LimitCheck<'_> {
         )?;
         let pixels = u64::from(camera.width) * u64::from(camera.height);
         self.buffer("the picture's colour", pixels * 16, "render a smaller picture")?;
-        self.buffer("the visibility of all lights", pixels * 4 * plan.lights.len() as u64, "render a smaller picture or use fewer lights")?;
+        self.buffer(
+            "the visibility of all lights",
+            pixels * 4 * plan.lights.len() as u64,
+            "render a smaller picture or use fewer lights",
+        )?;
         self.buffer("a shadow map", map * map * 4, "choose a smaller --map-size")
     }
 }

@@ -64,10 +64,8 @@ fn layout(
     visibility: wgpu::ShaderStages,
     bindings: &[wgpu::BindingType],
 ) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(bindings)
-        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
-        .collect();
+    let entries: Vec<_> =
+        (0..).zip(bindings).map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }).collect();
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
@@ -235,7 +233,12 @@ impl Pipelines {
                 VISIBILITY_MODULE,
                 &[&layouts.geometry, &layouts.visibility],
             ),
-            color: compute_pipeline(device, "resolve_color", COLOR_MODULE, &[&layouts.geometry, &layouts.surfaces, &layouts.color]),
+            color: compute_pipeline(
+                device,
+                "resolve_color",
+                COLOR_MODULE,
+                &[&layouts.geometry, &layouts.surfaces, &layouts.color],
+            ),
             readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),
             readback_id: compute_pipeline(device, "read_id", READBACK_ID_MODULE, &[&layouts.readback_id]),
             layouts,

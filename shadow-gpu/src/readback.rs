@@ -29,10 +29,8 @@ pub(crate) async fn read_buffer<T: Pod>(
     run_callbacks(device);
     let failed = |message: String| GpuError::Driver { adapter: device.adapter_info().name, message };
     pending.await.map_err(|error| failed(format!("reading a buffer back failed: {error}")))?;
-    let view = staging
-        .slice(..bytes)
-        .get_mapped_range()
-        .map_err(|error| failed(format!("reading a buffer back failed: {error}")))?;
+    let view =
+        staging.slice(..bytes).get_mapped_range().map_err(|error| failed(format!("reading a buffer back failed: {error}")))?;
     // The mapped memory need not be aligned for T.
     let mut values = vec![T::zeroed(); count];
     bytemuck::cast_slice_mut::<T, u8>(&mut values).copy_from_slice(&view);

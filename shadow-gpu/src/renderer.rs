@@ -158,8 +158,10 @@ impl GpuRenderer {
     }
 
     fn bind(&self, label: &str, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-        let entries: Vec<_> =
-            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() }).collect();
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
     }
 
@@ -386,7 +388,12 @@ impl GpuRenderer {
             ],
         );
         let mut encoder = self.encoder("visibility");
-        self.compute(&mut encoder, &self.pipelines.visibility, &[&scene.geometry, &group], [plan.camera.width, plan.camera.height]);
+        self.compute(
+            &mut encoder,
+            &self.pipelines.visibility,
+            &[&scene.geometry, &group],
+            [plan.camera.width, plan.camera.height],
+        );
         self.finish(encoder).await?;
         Ok(GpuVisibility { buffer })
     }
@@ -448,11 +455,7 @@ impl GpuRenderer {
         let group = self.bind(
             "readback",
             &self.pipelines.layouts.readback,
-            &[
-                wgpu::BindingResource::TextureView(&view),
-                selected.as_entire_binding(),
-                destination.as_entire_binding(),
-            ],
+            &[wgpu::BindingResource::TextureView(&view), selected.as_entire_binding(), destination.as_entire_binding()],
         );
         let mut encoder = self.encoder("read depths back");
         self.compute(&mut encoder, &self.pipelines.readback, &[&group], [texture.width(), texture.height()]);
@@ -578,7 +581,7 @@ impl GpuRenderer {
             layers.push(Layer { name: LayerName::Color, width, height, pixels });
         }
         self.check_driver()?;
-        Ok(Rendered { frame: Frame { layers }, times })
+        Ok(Rendered { frame: Frame { source: format!("gpu: {}", self.summary.name), layers }, times })
     }
 }
 

@@ -85,7 +85,10 @@ impl core::fmt::Display for LightError {
                 outer.to_degrees()
             ),
             Self::Range(range) => {
-                write!(f, "the light's range is {range} m; it must be a positive number (leave it out for a light without a limit)")
+                write!(
+                    f,
+                    "the light's range is {range} m; it must be a positive number (leave it out for a light without a limit)"
+                )
             }
             Self::Brightness => f.write_str("the light's colour and intensity must be finite and not negative"),
         }

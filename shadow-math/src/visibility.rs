@@ -74,16 +74,10 @@ pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Loo
     let x = row_times_point(view.clip_x, receiver.point) / w;
     let y = row_times_point(view.clip_y, receiver.point) / w;
     let z = row_times_point(view.clip_z, receiver.point) / w;
-    let texel = Vec2::new(
-        x * view.texel_scale[0] + view.texel_offset[0],
-        y * view.texel_scale[1] + view.texel_offset[1],
-    );
+    let texel = Vec2::new(x * view.texel_scale[0] + view.texel_offset[0], y * view.texel_scale[1] + view.texel_offset[1]);
     let left = view.rect[0] as f32;
     let top = view.rect[1] as f32;
-    let inside = texel.x >= left
-        && texel.y >= top
-        && texel.x < left + view.rect[2] as f32
-        && texel.y < top + view.rect[3] as f32;
+    let inside = texel.x >= left && texel.y >= top && texel.x < left + view.rect[2] as f32 && texel.y < top + view.rect[3] as f32;
     if !inside || z < 0.0 {
         return known(1.0);
     }

@@ -274,7 +274,8 @@ impl SceneBuilder {
         for SceneCamera { name, camera } in &self.cameras {
             camera.validate().map_err(|source| SceneError::Camera { name: name.clone(), source })?;
         }
-        let (triangles, triangle_materials, pass_triangles) = sort_by_pass(&self.materials, &self.triangles, &self.triangle_materials);
+        let (triangles, triangle_materials, pass_triangles) =
+            sort_by_pass(&self.materials, &self.triangles, &self.triangle_materials);
         Ok(Scene {
             origin: self.origin,
             vertices: self.vertices,

@@ -93,6 +93,9 @@ impl Comparison {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
+    /// Both frames come from the same source, whose agreement with itself proves nothing.
+    #[error("both frames come from `{0}`, and that it agrees with itself proves nothing")]
+    SameSource(String),
     /// There are no layers to compare.
     #[error("the frames have no layers, so there is nothing that could agree")]
     Empty,

@@ -95,6 +95,8 @@ pub struct Layer {
 /// A set of layers. Which are present is up to what was [asked for](Request).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
+    /// What rendered it, such as `cpu` or the name of an adapter: a comparison refuses two frames from the same source.
+    pub source: String,
     /// The layers, each name at most once, in the order in which the stages make them.
     pub layers: Vec<Layer>,
 }

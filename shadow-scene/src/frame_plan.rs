@@ -42,7 +42,9 @@ pub enum FramePlanError {
         source: PlanError,
     },
     /// The exposure value is not a usable number.
-    #[error("an exposure value of {0} cannot be used; it must lie between -{MAX_EV} and {MAX_EV} (15 suits a sunny day, 5 a lit room)")]
+    #[error(
+        "an exposure value of {0} cannot be used; it must lie between -{MAX_EV} and {MAX_EV} (15 suits a sunny day, 5 a lit room)"
+    )]
     ExposureValue(f32),
 }
 
@@ -73,8 +75,7 @@ impl FramePlan {
             }
             exposure = exposure.with_ev(ev);
         }
-        let camera =
-            plan_camera(camera, width, height, exposure, scene.lights().len() as u32).map_err(FramePlanError::Camera)?;
+        let camera = plan_camera(camera, width, height, exposure, scene.lights().len() as u32).map_err(FramePlanError::Camera)?;
         let casters: Vec<Aabb> = scene.instances().iter().map(|instance| instance.bounds).collect();
         let mut lights = Vec::with_capacity(scene.lights().len());
         let mut views = Vec::new();

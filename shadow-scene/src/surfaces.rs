@@ -1,9 +1,7 @@
 //! Materials and textures as plain data that both renderers read.
 
 use shadow_math::{
-    material::{
-        DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
-    },
+    material::{DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT},
     shade::shininess_of_roughness,
     srgb::decode_table,
 };

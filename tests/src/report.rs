@@ -39,7 +39,10 @@ pub fn assert_agreement(case: &str, comparison: &Comparison, expected: &Frame, a
             _ => Err("a layer is missing".into()),
         };
         let where_to = written.unwrap_or_else(|error| format!("(no report: {error})"));
-        lines.push(format!("{}: {} pixels differ, {} break the contract; {where_to}", layer.name, layer.differing, layer.violations));
+        lines.push(format!(
+            "{}: {} pixels differ, {} break the contract; {where_to}",
+            layer.name, layer.differing, layer.violations
+        ));
     }
     panic!("{case}: the frames disagree\n{}", lines.join("\n"));
 }

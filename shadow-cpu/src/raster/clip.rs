@@ -93,11 +93,7 @@ pub(crate) fn clip_triangle<M: MultiplyAdd>(
     }
     let scale = rules.subpixel_scale();
     let window = |vertex: ClipVertex| {
-        if vertex.is_new {
-            view.window::<Separate>(vertex.position, scale)
-        } else {
-            view.window::<M>(vertex.position, scale)
-        }
+        if vertex.is_new { view.window::<Separate>(vertex.position, scale) } else { view.window::<M>(vertex.position, scale) }
     };
     let first = window(polygon.vertices[0]);
     let mut previous = window(polygon.vertices[1]);

@@ -162,10 +162,10 @@ fn bin_triangles(
     let pieces: Vec<Run> = runs
         .iter()
         .flat_map(|run| {
-            run.triangles.clone().step_by(TRIANGLES_PER_CHUNK as usize).map(|first| Run {
-                triangles: first..run.triangles.end.min(first + TRIANGLES_PER_CHUNK),
-                ..run.clone()
-            })
+            run.triangles
+                .clone()
+                .step_by(TRIANGLES_PER_CHUNK as usize)
+                .map(|first| Run { triangles: first..run.triangles.end.min(first + TRIANGLES_PER_CHUNK), ..run.clone() })
         })
         .collect();
     pieces

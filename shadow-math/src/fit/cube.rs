@@ -9,8 +9,7 @@ use super::{
 use crate::camera::world_from_view_rotation;
 
 /// The direction each face looks in, in the order of the views: +x, -x, +y, -y, +z, -z.
-pub const CUBE_FACES: [DVec3; 6] =
-    [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+pub const CUBE_FACES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
 /// The camera of one cube face around `position`.
 ///

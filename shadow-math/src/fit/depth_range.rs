@@ -114,7 +114,8 @@ mod tests {
 
     #[test]
     fn no_caster_still_gives_a_range() {
-        for range in [range_along_axis(DMat4::IDENTITY, &[], f64::INFINITY), range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)] {
+        for range in [range_along_axis(DMat4::IDENTITY, &[], f64::INFINITY), range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)]
+        {
             assert!(range.near > 0.0 && range.near < range.far && range.far.is_finite(), "{range:?}");
         }
     }

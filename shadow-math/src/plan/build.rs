@@ -48,7 +48,14 @@ pub fn plan_camera(
         clip_y,
         clip_z,
         clip_w,
-        rays: pixel_rays(camera.eye, camera.orientation * DVec3::X, camera.orientation * DVec3::Y, half_extent, size, perspective),
+        rays: pixel_rays(
+            camera.eye,
+            camera.orientation * DVec3::X,
+            camera.orientation * DVec3::Y,
+            half_extent,
+            size,
+            perspective,
+        ),
         ambient: exposure.ambient.to_array(),
         exposure: exposure.scale,
         width,
@@ -322,7 +329,8 @@ mod tests {
 
     #[test]
     fn a_directional_view_has_w_of_exactly_one() {
-        let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.2, -1.0, 0.4) }, color: Vec3::ONE, intensity: 1.0 };
+        let sun =
+            Light { kind: LightKind::Directional { direction: Vec3::new(0.2, -1.0, 0.4) }, color: Vec3::ONE, intensity: 1.0 };
         let (_, views) = plan(&sun, &ShadowSettings::default()).unwrap();
         assert_eq!(views[0].clip_w, [0.0, 0.0, 0.0, 1.0]);
     }
@@ -343,7 +351,8 @@ mod tests {
                 (Vec3::from_slice(&a) + x * Vec3::from_slice(&dx) + y * Vec3::from_slice(&dy)).as_dvec3()
             };
             let rays = plan.rays;
-            let point = at(rays.origin, rays.origin_dx, rays.origin_dy) + 4.0 * at(rays.direction, rays.direction_dx, rays.direction_dy);
+            let point =
+                at(rays.origin, rays.origin_dx, rays.origin_dy) + 4.0 * at(rays.direction, rays.direction_dx, rays.direction_dy);
             let ndc = clip_from_world.project_point3(point);
             let pixel = ndc.truncate() * scale + offset;
             // f32 directions are off by 2^-24 of a metre at 1 m, which is below 1e-4 of these pixels.

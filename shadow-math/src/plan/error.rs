@@ -46,11 +46,17 @@ impl core::fmt::Display for PlanError {
             Self::Light(error) => error.fmt(f),
             Self::Camera(error) => error.fmt(f),
             Self::MapSize(size) => {
-                write!(f, "a shadow map of {size} texels is out of range; choose a map size from {MIN_MAP_SIZE} to {MAX_MAP_SIZE}")
+                write!(
+                    f,
+                    "a shadow map of {size} texels is out of range; choose a map size from {MIN_MAP_SIZE} to {MAX_MAP_SIZE}"
+                )
             }
             Self::BiasMetres(metres) => write!(f, "a bias of {metres} m makes no sense; it must be finite and at least 0"),
             Self::SlopeScale(scale) => {
-                write!(f, "a slope bias scaled by {scale} makes no sense; the scale must be finite and at least 0 (1 is enough and no more)")
+                write!(
+                    f,
+                    "a slope bias scaled by {scale} makes no sense; the scale must be finite and at least 0 (1 is enough and no more)"
+                )
             }
             Self::CubeAroundDirection => {
                 f.write_str("a directional light has no position that a cube could surround; use a single map for it")

@@ -30,6 +30,9 @@ pub fn compare(
     plan: &FramePlan,
     contract: Contract,
 ) -> Result<Comparison, CompareError> {
+    if first.source == second.source {
+        return Err(CompareError::SameSource(first.source.clone()));
+    }
     let pairs = pair_layers(first, second)?;
     let layers = match contract {
         Contract::Exact => pairs.iter().map(|&(a, b)| exact(a, b)).collect(),
@@ -94,9 +97,7 @@ fn exact(a: &Layer, b: &Layer) -> LayerComparison {
     let differing = count_differing(a, b);
     let max_difference = match (&a.pixels, &b.pixels) {
         (Pixels::Float(a), Pixels::Float(b)) => largest(a.iter().zip(b).map(|(&a, &b)| distance(a, b))),
-        (Pixels::Rgba(a), Pixels::Rgba(b)) => {
-            largest(a.iter().flatten().zip(b.iter().flatten()).map(|(&a, &b)| distance(a, b)))
-        }
+        (Pixels::Rgba(a), Pixels::Rgba(b)) => largest(a.iter().flatten().zip(b.iter().flatten()).map(|(&a, &b)| distance(a, b))),
         _ => f64::from(u8::from(differing > 0)),
     };
     LayerComparison {
@@ -364,7 +365,9 @@ fn depth_tolerance(depths: &[f32], width: u32, index: usize) -> f64 {
     let mut slope = 0.0_f64;
     let mut visit = |neighbor: usize| {
         if let Some(&depth) = depths.get(neighbor) {
-            slope = slope.max(distance(depth, depths[index]));
+            let step = distance(depth, depths[index]);
+            // A neighbour that is not a number has no slope to it.
+            slope = if step.is_finite() { slope.max(step) } else { slope };
         }
     };
     if x > 0 {

@@ -1,0 +1,401 @@
+//! What was typed: the commands and their options, checked one by one but not yet against a scene or a machine.
+//!
+//! The doc comments of this file are the program's help.
+
+use std::path::PathBuf;
+
+use clap::{
+    Args as ClapArgs, Parser, Subcommand, ValueEnum,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
+use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
+
+use crate::specs::{BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
+
+/// Examples for the program as a whole.
+const EXAMPLES: &str = "\
+Examples:
+  shadow                                        draw the built-in demo scene to shadow.png
+  shadow render house.glb --size 1920x1080      draw a scene with its own camera and lights
+  shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
+  shadow compare house.glb                      do the CPU and the GPU renderer agree?
+  shadow plan house.glb --json                  every matrix, texel size and bias
+  shadow devices                                which graphics adapters there are
+
+`shadow help COMMAND` explains a command's options.
+Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong.";
+
+/// Checkable shadow mapping: the same shadows from two independent renderers
+///
+/// `shadow` renders a scene with shadow maps, on the CPU or on the GPU. Both renderers follow one plan, and `shadow compare` checks that
+/// they agree, image by image. A scene is a glTF 2.0 file (.gltf or .glb) with its lights and cameras; without one, a built-in demo is
+/// drawn. Lengths are metres, angles degrees, light is measured in lux (directional) or candela (spot, point).
+///
+/// Without any argument, `shadow` draws the demo to shadow.png.
+#[derive(Debug, Parser)]
+#[command(name = "shadow", version, after_help = EXAMPLES, max_term_width = 110)]
+pub(crate) struct Args {
+    /// What to do; nothing is `render`.
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+impl Args {
+    /// The command; without one, the demo is rendered with every default.
+    pub(crate) fn into_command(self) -> Result<Command, clap::Error> {
+        match self.command {
+            Some(command) => Ok(command),
+            None => DefaultArgs::try_parse_from(["shadow"]).map(|args| Command::Render(args.render)),
+        }
+    }
+}
+
+/// A usage error with a hint for those who name a scene without a command.
+pub(crate) fn with_hint(mut usage: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(typed)) = usage.get(ContextKind::InvalidSubcommand) else { return usage };
+    // A command has no dot, colon or slash in it, and a scene's name has one.
+    if usage.kind() == ErrorKind::InvalidSubcommand && typed.contains(['.', ':', '/', '\\']) {
+        let hint = format!("to draw a scene, write `shadow render {typed}`");
+        usage.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+    }
+    usage
+}
+
+/// The options of `shadow render` by themselves: clap fills in the defaults.
+#[derive(Debug, Parser)]
+struct DefaultArgs {
+    #[command(flatten)]
+    render: RenderArgs,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Draw one picture of a scene as a PNG file
+    ///
+    /// Draws the scene, or one of the layers that the picture is made of, and writes a PNG file.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArgs),
+    /// Check that two renderers agree, layer by layer
+    ///
+    /// Renders the scene with both backends and compares every layer: the triangles that the camera sees, their depth, all shadow maps,
+    /// the visibility of every light, and the color.
+    ///
+    /// On a driver whose rules are known exactly (lavapipe of Mesa 22.3) the contract is `exact`: any differing bit breaks it. On any
+    /// other it is `tolerance`: WebGPU leaves drivers choices about edges and rounding, so pixels where one of them decides are left out
+    /// and counted by their reason, and the rest must agree.
+    ///
+    /// The exit code is 0 if the backends agree and 1 if they do not.
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(CompareArgs),
+    /// Show the plan that both renderers follow
+    ///
+    /// Shows how the picture would be made, without making it: the camera's matrix and, for every light and every view of it, the matrix,
+    /// the depth range and the texel size in metres, the bias, and the bounds on rounding. Matrices map points relative to the scene's
+    /// origin, which is given too; they are lists of rows and multiply column vectors.
+    #[command(after_help = PLAN_EXAMPLES)]
+    Plan(PlanArgs),
+    /// List the graphics adapters that the GPU backend can use
+    Devices(DevicesArgs),
+}
+
+/// Examples for `shadow render`.
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  shadow render house.glb --output house.png
+  shadow render house.glb --backend gpu --adapter llvmpipe --size 1920x1080
+  shadow render house.glb --camera 'eye=4,2,6;target=0,1,0;fov=50' --exposure 13
+  shadow render house.glb --light 'directional:dir=-1,-2,-1;lux=20000'
+  shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
+  shadow render builtin:fence --filter hard --bias none --show shadow-map
+  shadow render house.glb --json | jq .milliseconds";
+
+/// Examples for `shadow compare`.
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  shadow compare
+  shadow compare house.glb --size 640x360 --map-size 1024
+  shadow compare house.glb --light 'point:pos=0,2,0;cd=500' --output differences
+  shadow compare house.glb --json | jq '.layers[] | select(.within_contract | not)'";
+
+/// Examples for `shadow plan`.
+const PLAN_EXAMPLES: &str = "\
+Examples:
+  shadow plan house.glb --map-size 4096
+  shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
+
+/// What picture of which scene: the choices that `render`, `compare` and `plan` share.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct PictureArgs {
+    /// The scene: a .gltf or .glb file, or builtin:NAME
+    ///
+    /// The scene: a glTF 2.0 file (.gltf or .glb), or `builtin:NAME` for a built-in one: demo, box-on-plane, fence, tilted-plane,
+    /// grazing. Without a scene: builtin:demo.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<SceneSource>,
+
+    /// Width and height of the picture in pixels, each from 1 to 16384
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", help_heading = "Picture")]
+    pub(crate) size: PictureSize,
+
+    /// The camera: its name or number in the scene, or a place [default: the scene's first]
+    ///
+    /// The camera: its name in the scene, its number from 0, or a place of its own as `eye=X,Y,Z;target=X,Y,Z;fov=DEGREES`. Points are
+    /// in metres of the file's world space, y is up; fov is the vertical angle of view, 45 if left out. Without it: the scene's first.
+    #[arg(long, value_name = "CAMERA", allow_hyphen_values = true, help_heading = "Picture")]
+    pub(crate) camera: Option<CameraChoice>,
+
+    /// A light in place of the scene's own; can be given several times
+    ///
+    /// A light in place of all of the scene's own; can be given several times:
+    ///
+    ///   directional:dir=X,Y,Z;lux=N
+    ///   spot:pos=X,Y,Z;dir=X,Y,Z;inner=DEGREES;outer=DEGREES;cd=N;range=METRES
+    ///   point:pos=X,Y,Z;cd=N;range=METRES
+    ///
+    /// `dir` is the way the light travels, `pos` its place in metres of the file's world space. A spot light's angles are measured from
+    /// its axis: full brightness up to `inner` (0 if left out), no light beyond `outer` (at most 90). `range` is the distance beyond which
+    /// there is no light; leave it out for no such limit. Each kind also takes `color=R,G,B` (linear, white if left out).
+    #[arg(long = "light", value_name = "SPEC", verbatim_doc_comment, help_heading = "Picture")]
+    pub(crate) lights: Vec<LightSpec>,
+
+    /// Exposure value (EV at ISO 100): 15 suits a sunny day, 5 a lit room [default: by the lights]
+    ///
+    /// The exposure value (EV at ISO 100), from -64 to 64: 15 suits a sunny day, 5 a lit room, and every step up halves the brightness.
+    /// Without it the exposure is chosen by a fixed rule from the lights, the same on every backend.
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Picture")]
+    pub(crate) exposure: Option<f32>,
+
+    /// Width and height of each shadow map in texels, from 16 to 16384
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        default_value_t = 2048,
+        value_parser = clap::value_parser!(u32).range(i64::from(MIN_MAP_SIZE)..=i64::from(MAX_MAP_SIZE)),
+        help_heading = "Shadows"
+    )]
+    pub(crate) map_size: u32,
+
+    /// How depth tests are averaged
+    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::Bilinear, help_heading = "Shadows")]
+    pub(crate) filter: FilterName,
+
+    /// How surfaces are kept from shadowing themselves
+    #[arg(long, value_enum, value_name = "BIAS", default_value_t = BiasName::Slope, help_heading = "Shadows")]
+    pub(crate) bias: BiasName,
+
+    /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
+    ///
+    /// A length in metres that is added to the bias, along the view axis of the light: 0.01 with `--bias constant` and 0 with
+    /// `--bias slope` if left out. With `--bias none` it has no meaning and is refused.
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) bias_constant: Option<f32>,
+}
+
+/// What renders: the choices that `render` and `compare` share.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub(crate) struct MachineArgs {
+    /// Take the graphics adapter whose name contains NAME (`shadow devices` lists them)
+    #[arg(long, value_name = "NAME", help_heading = "Backend")]
+    pub(crate) adapter: Option<String>,
+
+    /// Threads of the CPU backend, at most 1024; 0 is one for each core
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        value_parser = clap::value_parser!(u32).range(0..=1024),
+        help_heading = "Backend"
+    )]
+    pub(crate) threads: u32,
+}
+
+/// `shadow render`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct RenderArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
+    ///
+    /// What to draw. LIGHT is a light's number from 0 or its name, VIEW the number of a view of it (a point light has six: +x -x +y -y +z
+    /// -z); both are 0 if left out.
+    ///
+    ///   color                      the picture, sRGB
+    ///   visibility[:LIGHT]         how much of a light reaches each pixel: black is shadowed, white is lit
+    ///   depth                      how far away each pixel is: the nearest is white, the farthest dark grey, background is black
+    ///   shadow-map[:LIGHT[:VIEW]]  the same as the light sees it: empty texels are black
+    ///
+    /// Distances are spread over the greys from the nearest to the farthest that occurs, on a logarithmic scale for perspective views and
+    /// a linear one for parallel rays.
+    #[arg(long, value_name = "LAYER", default_value = "color", verbatim_doc_comment, help_heading = "Picture")]
+    pub(crate) show: Show,
+
+    /// The file to write; its name must end in .png
+    #[arg(short, long, value_name = "FILE", default_value = "shadow.png", help_heading = "Picture")]
+    pub(crate) output: PathBuf,
+
+    /// What renders
+    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
+    pub(crate) backend: Backend,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// Report as JSON on standard output
+    ///
+    /// Report as JSON on standard output: `scene`, `notes`, `backend`, `adapter` (null for the CPU), `triangles`, `width`, `height`,
+    /// `milliseconds` (`prepare` once per scene; `shadow_maps`, `camera` and `shading`, whose sum is `total`) and `output`.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow compare`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompareArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// The two backends to compare
+    #[arg(long, value_name = "A,B", default_value = "cpu,gpu", help_heading = "Backend")]
+    pub(crate) backends: BackendPair,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// A folder for pictures of every layer, of the differences, and comparison.json
+    ///
+    /// A folder, made if it is not there, for three pictures of every layer: LAYER-cpu.png, LAYER-gpu.png and LAYER-difference.png, and for
+    /// comparison.json, the report of --json. A difference is black where the two are equal and otherwise at least dark grey, white being
+    /// the largest difference of the layer.
+    #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Report as JSON on standard output
+    ///
+    /// Report as JSON on standard output: `scene`, `notes`, `agree`, `contract` (`exact` or `tolerance`), `backends`, `adapter`, and for
+    /// each of `layers` its `name`, `pixels`, `differing` (in any bit), `left_out` (pixels by reason), `max_difference` (null where one of
+    /// the values is not a number and the other is), `violations` and `within_contract`.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow plan`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct PlanArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// Report as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow devices`.
+#[derive(Debug, Default, ClapArgs)]
+pub(crate) struct DevicesArgs {
+    /// Report as JSON on standard output: a list `devices`
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A renderer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Backend {
+    /// The processor's cores
+    Cpu,
+    /// A graphics adapter: Vulkan, Metal or Direct3D 12
+    Gpu,
+}
+
+impl Backend {
+    /// The name on the command line and in reports.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
+
+/// The names of the filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FilterName {
+    /// One test, of the texel that the point falls into
+    Hard,
+    /// Four tests, weighted by the distance to the texels' centres
+    Bilinear,
+}
+
+/// The names of the biases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BiasName {
+    /// Nothing: shows self-shadowing as it is
+    None,
+    /// The same length everywhere
+    Constant,
+    /// What the receiver's plane needs under the filter, and no more
+    Slope,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(line: &str) -> Result<Args, clap::Error> {
+        Args::try_parse_from(line.split_whitespace())
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        use clap::CommandFactory;
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn nothing_is_render_with_its_defaults() {
+        let Command::Render(args) = parse("shadow").unwrap().into_command().unwrap() else { panic!("not render") };
+        assert_eq!(args.picture.scene, None);
+        assert_eq!(args.output, PathBuf::from("shadow.png"));
+        assert_eq!((args.backend, args.show), (Backend::Cpu, Show::Color));
+        assert_eq!(
+            (args.picture.filter, args.picture.bias, args.picture.map_size),
+            (FilterName::Bilinear, BiasName::Slope, 2048)
+        );
+    }
+
+    #[test]
+    fn a_scene_without_a_command_is_told_the_command() {
+        let hint = |line: &str| with_hint(parse(line).unwrap_err()).to_string();
+        assert!(hint("shadow house.glb").contains("shadow render house.glb"));
+        assert!(!hint("shadow draw").contains("shadow render"));
+        assert!(!hint("shadow --fast").contains("shadow render"));
+    }
+
+    #[test]
+    fn negative_numbers_are_values_and_not_options() {
+        let Some(Command::Plan(args)) = parse("shadow plan --exposure -2.5").unwrap().command else { panic!("not plan") };
+        assert_eq!(args.picture.exposure, Some(-2.5));
+        assert!(parse("shadow plan --light directional:dir=-1,-2,-3;lux=1 --camera eye=-1,-1,-1;target=0,0,0").is_ok());
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_with_the_range() {
+        for (line, expected) in [
+            ("shadow render --map-size 8", "16..=16384"),
+            ("shadow render --threads 1025", "0..=1024"),
+            ("shadow render --size 0x5", "1 to 16384"),
+            ("shadow compare --backends cpu,cpu", "comparing a backend with itself proves nothing"),
+            ("shadow render --filter soft", "bilinear"),
+        ] {
+            let error = parse(line).unwrap_err();
+            assert_eq!(error.exit_code(), 2, "{line}");
+            assert!(error.to_string().contains(expected), "{line}: {error}");
+        }
+    }
+}

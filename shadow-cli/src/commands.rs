@@ -1,0 +1,30 @@
+//! The commands, a module each.
+
+mod render;
+mod compare;
+mod plan;
+mod devices;
+
+use crate::{
+    args::{Args, Command},
+    error::CliError,
+};
+
+/// How a command that did its work ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// It is done, or the answer is yes.
+    Done,
+    /// The thing that was asked about is not so.
+    NotSo,
+}
+
+/// Runs the command that was typed.
+pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
+    match args.into_command()? {
+        Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Plan(args) => plan::run(&args),
+        Command::Devices(args) => devices::run(&args),
+    }
+}

@@ -1,0 +1,221 @@
+//! `shadow plan`: how a picture would be made.
+
+use glam::DVec3;
+use serde::Serialize;
+use shadow_math::{
+    Filter, Fit, LightKind, Store,
+    plan::{BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, LightPlan, SPLIT_CUBE, ViewPlan},
+};
+use shadow_scene::SceneLight;
+
+use super::Verdict;
+use crate::{
+    args::PlanArgs,
+    console::{Console, print, print_json, table},
+    error::CliError,
+    resolve::{Job, view_names},
+};
+
+/// The rows of a matrix that multiplies column vectors.
+type Rows = [[f32; 4]; 4];
+
+/// The report for programs.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    notes: &'a [String],
+    triangles: usize,
+    /// The point in metres of the file's world space that all matrices take coordinates relative to.
+    origin: [f64; 3],
+    /// The exposure value, EV at ISO 100.
+    exposure: f32,
+    /// Width and height of every map in texels.
+    map_size: u32,
+    camera: CameraReport<'a>,
+    lights: Vec<LightReport<'a>>,
+}
+
+/// How the picture is taken.
+#[derive(Debug, Serialize)]
+struct CameraReport<'a> {
+    name: &'a str,
+    width: u32,
+    height: u32,
+    /// From metres relative to the origin to clip space with reversed depth.
+    clip_from_world: Rows,
+}
+
+/// How a light is shadowed.
+#[derive(Debug, Serialize)]
+struct LightReport<'a> {
+    light: usize,
+    name: &'a str,
+    kind: &'static str,
+    fit: Fit,
+    split: &'static str,
+    store: Store,
+    bias: BiasReport,
+    filter: Filter,
+    views: Vec<ViewReport>,
+}
+
+/// How self-shadowing is avoided.
+#[derive(Debug, Serialize)]
+struct BiasReport {
+    name: &'static str,
+    /// A length along the view axis of the light that is added, in metres.
+    metres: f32,
+    /// The factor on what the receiver's plane needs; 0 where that is not asked.
+    slope_scale: f32,
+}
+
+/// One shadow map.
+#[derive(Debug, Serialize)]
+struct ViewReport {
+    view: usize,
+    /// The face of the cube, such as `+x`; empty where there is no cube.
+    name: String,
+    /// The layer of the map array.
+    layer: u32,
+    /// `orthographic` or `perspective`.
+    projection: &'static str,
+    /// From metres relative to the origin to clip space, depth 0 at the near plane.
+    clip_from_world: Rows,
+    /// The distances of the near and the far plane along the axis, in metres.
+    depth_range: [f32; 2],
+    /// Width and height of a texel, in metres: everywhere for an orthographic view, 1 m from the light for a perspective one.
+    texel_metres: [f32; 2],
+    rounding: RoundingReport,
+}
+
+/// The bounds on rounding.
+#[derive(Debug, Serialize)]
+struct RoundingReport {
+    /// In texels: the first number holds wherever the receiver is, the second is divided by its w and added.
+    texels: [f32; 2],
+    /// In depth, likewise.
+    depth: [f32; 2],
+}
+
+impl<'a> Report<'a> {
+    fn of(job: &'a Job) -> Self {
+        let camera = &job.plan.camera;
+        let lights = job.scene.lights().iter().zip(&job.plan.lights).enumerate();
+        Self {
+            scene: &job.scene_name,
+            notes: job.scene.notes(),
+            triangles: job.scene.triangles().len(),
+            origin: DVec3::to_array(&job.scene.origin()),
+            exposure: job.plan.ev,
+            map_size: job.plan.map_size,
+            camera: CameraReport {
+                name: &job.camera_name,
+                width: camera.width,
+                height: camera.height,
+                clip_from_world: [camera.clip_x, camera.clip_y, camera.clip_z, camera.clip_w],
+            },
+            lights: lights.map(|(index, (light, plan))| LightReport::of(job, index, light, plan)).collect(),
+        }
+    }
+}
+
+impl<'a> LightReport<'a> {
+    fn of(job: &Job, light: usize, scene_light: &'a SceneLight, plan: &LightPlan) -> Self {
+        let views = job.plan.views_of(light);
+        Self {
+            light,
+            name: &scene_light.name,
+            kind: match scene_light.light.kind {
+                LightKind::Directional { .. } => "directional",
+                LightKind::Spot { .. } => "spot",
+                LightKind::Point { .. } => "point",
+            },
+            fit: job.settings.fit,
+            split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
+            store: job.settings.store,
+            bias: BiasReport { name: bias_name(plan.bias), metres: plan.bias_metres, slope_scale: plan.slope_scale },
+            filter: job.settings.filter,
+            views: views
+                .iter()
+                .zip(view_names(views.len()))
+                .enumerate()
+                .map(|(index, (view, name))| ViewReport::of(index, name, view))
+                .collect(),
+        }
+    }
+}
+
+impl ViewReport {
+    fn of(index: usize, name: String, view: &ViewPlan) -> Self {
+        Self {
+            view: index,
+            name,
+            layer: view.layer,
+            projection: if view.w_per_metre == 0.0 { "orthographic" } else { "perspective" },
+            clip_from_world: [view.clip_x, view.clip_y, view.clip_z, view.clip_w],
+            depth_range: view.depth_range,
+            texel_metres: view.texel_metres,
+            rounding: RoundingReport { texels: view.rounding_texels, depth: view.rounding_depth },
+        }
+    }
+}
+
+/// The name of a plan's bias.
+fn bias_name(bias: u32) -> &'static str {
+    match bias {
+        BIAS_NONE => "none",
+        BIAS_CONSTANT => "constant",
+        BIAS_SLOPE => "slope",
+        _ => "unknown",
+    }
+}
+
+/// Plans the picture and reports.
+pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
+    let console = Console::new(args.json);
+    let job = Job::resolve(&args.picture, &console)?;
+    console.finish();
+    let report = Report::of(&job);
+    if args.json {
+        print_json(&report)?
+    } else {
+        print(&text(&report))?
+    }
+    Ok(Verdict::Done)
+}
+
+/// The report for people.
+fn text(report: &Report<'_>) -> String {
+    let CameraReport { name, width, height, .. } = &report.camera;
+    let mut text = format!(
+        "{}: {} triangles, camera `{name}`, {width} x {height} pixels at EV {:.1}, shadow maps of {size} x {size} texels\n",
+        report.scene,
+        report.triangles,
+        report.exposure,
+        size = report.map_size
+    );
+    let heading = ["light", "view", "projection", "near", "far", "texel", "bias", "filter"].map(String::from).to_vec();
+    let mut rows = vec![heading];
+    for light in &report.lights {
+        for view in &light.views {
+            let at = if view.projection == "perspective" { " at 1 m" } else { "" };
+            rows.push(vec![
+                format!("{} {} `{}`", light.light, light.kind, light.name),
+                format!("{} {}", view.view, view.name).trim().into(),
+                view.projection.into(),
+                format!("{:.3} m", view.depth_range[0]),
+                format!("{:.3} m", view.depth_range[1]),
+                format!("{:.2} x {:.2} mm{at}", 1e3 * view.texel_metres[0], 1e3 * view.texel_metres[1]),
+                bias_text(&light.bias),
+                format!("{:?}", light.filter).to_lowercase(),
+            ]);
+        }
+    }
+    text.push_str(&table(&rows, |column| !matches!(column, 3 | 4 | 5)));
+    text.push_str("--json has the matrices and the bounds on rounding\n");
+    text
+}
+
+fn bias_text(bias: &BiasReport) -> String {
+    if bias.metres == 0.0 { bias.name.into() } else { format!("{} + {} m", bias.name, bias.metres) }
+}

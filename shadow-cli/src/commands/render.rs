@@ -1,0 +1,112 @@
+//! `shadow render`: one picture.
+
+use serde::Serialize;
+use shadow_scene::StageTimes;
+
+use super::Verdict;
+use crate::{
+    args::{Backend, RenderArgs},
+    backend::RenderedFrame,
+    console::{Console, print, print_json},
+    error::CliError,
+    memory,
+    output::{check_picture_path, write_picture},
+    picture::pictures,
+    resolve::{Job, request_for},
+};
+
+/// The report for programs.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    notes: &'a [String],
+    backend: &'static str,
+    /// The adapter's name; null for the CPU.
+    adapter: Option<&'a str>,
+    triangles: usize,
+    /// Width of the written picture in pixels; that of a shadow map is the map's.
+    width: u32,
+    /// Its height.
+    height: u32,
+    milliseconds: Milliseconds,
+    output: String,
+}
+
+/// How long each stage took, in milliseconds.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Milliseconds {
+    prepare: f64,
+    shadow_maps: f64,
+    camera: f64,
+    shading: f64,
+    /// The frame: all but `prepare`.
+    total: f64,
+}
+
+impl From<StageTimes> for Milliseconds {
+    fn from(times: StageTimes) -> Self {
+        let StageTimes { prepare, shadow_maps, camera, shading } = times;
+        Self { prepare, shadow_maps, camera, shading, total: times.frame() }
+    }
+}
+
+/// Renders the picture and writes it.
+pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
+    check_picture_path(&args.output)?;
+    let console = Console::new(args.json);
+    check_machine(args, &console)?;
+    let job = Job::resolve(&args.picture, &console)?;
+    let layer = job.layer(&args.show)?;
+    memory::check(&job.plan, args.backend.copies())?;
+
+    let rendered = args.backend.render(&job, request_for(layer), &args.machine, &console)?;
+    let shown = rendered.layer(layer)?;
+    let [picture] = pictures([shown], &job.plan);
+    console.stage(format!("writing {}", args.output.display()));
+    write_picture(&args.output, &picture)?;
+    console.finish();
+
+    let report = Report {
+        scene: &job.scene_name,
+        notes: job.scene.notes(),
+        backend: args.backend.name(),
+        adapter: rendered.adapter.as_ref().map(|adapter| adapter.name.as_str()),
+        triangles: job.scene.triangles().len(),
+        width: shown.width,
+        height: shown.height,
+        milliseconds: rendered.times.into(),
+        output: args.output.display().to_string(),
+    };
+    if args.json {
+        print_json(&report)?
+    } else {
+        print(&sentences(&report, &job, &rendered, &layer.to_string()))?
+    }
+    Ok(Verdict::Done)
+}
+
+/// Refuses an adapter that would not be used, and says where threads are not.
+fn check_machine(args: &RenderArgs, console: &Console) -> Result<(), CliError> {
+    match (args.backend, &args.machine.adapter) {
+        (Backend::Cpu, Some(adapter)) => return Err(CliError::AdapterOfCpu(adapter.clone())),
+        (Backend::Gpu, _) if args.machine.threads != 0 => console.note("--threads has no effect on the gpu backend"),
+        _ => {}
+    }
+    Ok(())
+}
+
+/// The report for people.
+fn sentences(report: &Report<'_>, job: &Job, rendered: &RenderedFrame, layer: &str) -> String {
+    let Report { scene, triangles, width, height, output, milliseconds, .. } = report;
+    let Milliseconds { prepare, shadow_maps, camera, shading, total } = milliseconds;
+    let machine =
+        rendered.adapter.as_ref().map_or_else(|| "the CPU".into(), |adapter| format!("the GPU backend ({})", adapter.name));
+    let lights = match job.scene.lights().len() {
+        1 => "1 light".into(),
+        count => format!("{count} lights"),
+    };
+    format!(
+        "wrote {output}: the {layer} of {scene} ({triangles} triangles, {lights}), {width} x {height} pixels, by {machine}\n\
+         {total:.1} ms: shadow maps {shadow_maps:.1} ms, camera {camera:.1} ms, shading {shading:.1} ms (and once {prepare:.1} ms to prepare the scene)\n"
+    )
+}

@@ -1,0 +1,178 @@
+//! Why the program cannot do what was asked for, and how that is said.
+
+use std::{error::Error, io, path::PathBuf};
+
+use shadow_cpu::CpuError;
+use shadow_gpu::GpuError;
+use shadow_math::{CameraError, LightError};
+use shadow_scene::{FramePlanError, ImportError, LayerName, compare::CompareError};
+
+/// Why the program cannot do what was asked for. Each message names the value, the limit and the way out.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    /// The options make no sense together.
+    #[error(transparent)]
+    Usage(#[from] clap::Error),
+    /// The scene's file.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// There is no built-in scene of that name.
+    #[error("there is no built-in scene `{name}`; there are: {}", names.join(", "))]
+    Builtin {
+        /// The name that was asked for.
+        name: String,
+        /// The names that there are.
+        names: &'static [&'static str],
+    },
+    /// There is no light, view or camera of that number or name.
+    #[error("there is no {kind} {asked}; {}", crate::specs::inventory(kind, names))]
+    NoSuch {
+        /// "light", "view" or "camera".
+        kind: &'static str,
+        /// The number or the quoted name that was asked for.
+        asked: String,
+        /// The names that there are, in order.
+        names: Vec<String>,
+    },
+    /// A light of the command line cannot be used.
+    #[error("--light `{spec}`")]
+    Light {
+        /// What was typed.
+        spec: String,
+        /// What is wrong with it.
+        source: LightError,
+    },
+    /// A camera of the command line cannot be used.
+    #[error("--camera `{spec}`")]
+    Camera {
+        /// What was typed.
+        spec: String,
+        /// What is wrong with it.
+        source: CameraError,
+    },
+    /// A length for a bias that is none.
+    #[error("--bias-constant {0} has no meaning with --bias none; use --bias constant or --bias slope, or leave it out")]
+    BiasConstant(f32),
+    /// An adapter for a renderer that has none.
+    #[error("--adapter `{0}` chooses a graphics adapter, but the backend is cpu; add --backend gpu or leave it out")]
+    AdapterOfCpu(String),
+    /// The plan.
+    #[error(transparent)]
+    Plan(#[from] FramePlanError),
+    /// The picture and its maps would take too much memory.
+    #[error(
+        "{what} would take about {needed} GiB of memory, more than the limit of {limit} GiB; choose a smaller --size or --map-size, or fewer lights"
+    )]
+    TooMuchMemory {
+        /// What would take it.
+        what: String,
+        /// How much, in GiB.
+        needed: u64,
+        /// The limit, in GiB.
+        limit: u64,
+    },
+    /// The system does not have the memory.
+    #[error(
+        "{what} would take about {megabytes} MiB of memory, which this system does not have; choose a smaller --size or --map-size, or fewer lights"
+    )]
+    OutOfMemory {
+        /// What would take it.
+        what: String,
+        /// How much, in MiB.
+        megabytes: u64,
+    },
+    /// The CPU renderer.
+    #[error(transparent)]
+    Cpu(#[from] CpuError),
+    /// The GPU renderer.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A layer that was asked for is not in the frame, or not of the kind it should be: a defect of the renderer.
+    #[error("the {backend} backend did not give back the layer {layer}; this is a defect, please report it")]
+    Layer {
+        /// The renderer.
+        backend: &'static str,
+        /// The layer.
+        layer: LayerName,
+    },
+    /// The two frames cannot be compared.
+    #[error("the two pictures cannot be compared")]
+    Compare(#[from] CompareError),
+    /// The output's name does not end in a format that can be written.
+    #[error("cannot write `{}`: {}; choose a name that ends in .png", path.display(), format_problem(path))]
+    Format {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The output cannot be written.
+    #[error("cannot write `{}`", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Standard output is closed or cannot be written to.
+    #[error("cannot write to standard output")]
+    Stdout(#[source] io::Error),
+}
+
+impl CliError {
+    /// Whether the reader of standard output went away, as `head` does: that is no failure.
+    pub(crate) fn is_broken_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(source) if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+/// What is wrong with the name of a picture.
+fn format_problem(path: &std::path::Path) -> String {
+    match path.extension() {
+        Some(extension) => format!("pictures are written as PNG, not as .{}", extension.to_string_lossy()),
+        None => "its name has no ending that says the format".into(),
+    }
+}
+
+/// The error and its sources in one line. A source that its parent's message already contains is not repeated.
+pub(crate) fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut next = error.source();
+    while let Some(source) = next {
+        let message = source.to_string();
+        if !text.contains(&message) {
+            text.push_str(": ");
+            text.push_str(&message);
+        }
+        next = source.source();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_told_once() {
+        let light = CliError::Light { spec: "point:…".into(), source: LightError::Range(-1.0) };
+        let text = chain(&light);
+        assert!(text.starts_with("--light `point:…`: the light's range is -1 m"), "{text}");
+        assert_eq!(text.matches("-1 m").count(), 1);
+        let read = ImportError::Read { file: "a.glb".into(), source: io::Error::from(io::ErrorKind::NotFound) };
+        let text = chain(&CliError::Import(read));
+        assert_eq!(text.matches("not found").count(), 1, "{text}");
+    }
+
+    #[test]
+    fn only_a_closed_pipe_is_a_broken_pipe() {
+        assert!(CliError::Stdout(io::ErrorKind::BrokenPipe.into()).is_broken_pipe());
+        assert!(!CliError::Stdout(io::ErrorKind::StorageFull.into()).is_broken_pipe());
+        assert!(!CliError::Write { path: "a".into(), source: io::ErrorKind::BrokenPipe.into() }.is_broken_pipe());
+    }
+
+    #[test]
+    fn a_wrong_ending_is_named() {
+        let text = CliError::Format { path: "a/b.exr".into() }.to_string();
+        assert!(text.contains("a/b.exr") && text.contains(".exr;") && text.contains(".png"), "{text}");
+        assert!(CliError::Format { path: "picture".into() }.to_string().contains("no ending"));
+    }
+}

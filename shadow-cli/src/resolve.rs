@@ -1,0 +1,207 @@
+//! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
+
+use shadow_math::{Bias, Camera, Filter, ShadowSettings};
+use shadow_scene::{FramePlan, LayerName, Request, Scene, SceneLight, builtin, import};
+
+use crate::{
+    args::{BiasName, FilterName, PictureArgs},
+    console::Console,
+    error::CliError,
+    specs::{CameraChoice, SceneSource, Selector, Show},
+};
+
+/// The constant bias in metres if none is given: a centimetre.
+const DEFAULT_CONSTANT_METRES: f32 = 0.01;
+/// The faces of a cube, in the order of its views.
+const CUBE_FACE_NAMES: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
+
+/// A picture that is ready to be rendered.
+pub(crate) struct Job {
+    /// What the scene is called: its path as it was typed, or `builtin:NAME`.
+    pub(crate) scene_name: String,
+    /// The scene, under the lights that were chosen.
+    pub(crate) scene: Scene,
+    /// The camera's name; empty for one without a name.
+    pub(crate) camera_name: String,
+    /// How lights are shadowed.
+    pub(crate) settings: ShadowSettings,
+    /// How the picture is made.
+    pub(crate) plan: FramePlan,
+}
+
+impl Job {
+    /// Loads the scene and plans the picture. Notes about the scene are told.
+    ///
+    /// What does not need the scene is checked first.
+    pub(crate) fn resolve(args: &PictureArgs, console: &Console) -> Result<Self, CliError> {
+        let settings = settings(args)?;
+        let (scene_name, scene) = load(args.scene.as_ref(), console)?;
+        for note in scene.notes() {
+            console.note(note);
+        }
+        let scene = with_chosen_lights(scene, args)?;
+        let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
+        let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
+        Ok(Self { scene_name, scene, camera_name, settings, plan })
+    }
+
+    /// The layer that is to be shown, once it is known that there is one.
+    pub(crate) fn layer(&self, show: &Show) -> Result<LayerName, CliError> {
+        let light_index = |selector: &Selector| selector.find("light", &self.light_names());
+        Ok(match show {
+            Show::Color => LayerName::Color,
+            Show::Depth => LayerName::Depth,
+            Show::Visibility(light) => LayerName::Visibility { light: light_index(light)? as u32 },
+            Show::ShadowMap(light, view) => {
+                let light = light_index(light)?;
+                let views = view_names(self.plan.views_of(light).len());
+                let view = Selector::Index(*view).find("view", &views)?;
+                LayerName::ShadowMap { light: light as u32, view: view as u32 }
+            }
+        })
+    }
+
+    /// The names of the lights, in order.
+    fn light_names(&self) -> Vec<String> {
+        self.scene.lights().iter().map(|light| light.name.clone()).collect()
+    }
+}
+
+/// The request that asks for one layer.
+pub(crate) fn request_for(layer: LayerName) -> Request {
+    let nothing = Request::default();
+    match layer {
+        LayerName::Triangle | LayerName::Depth => Request { camera: true, ..nothing },
+        LayerName::ShadowMap { .. } => Request { shadow_maps: true, ..nothing },
+        LayerName::Visibility { .. } => Request { visibility: true, ..nothing },
+        LayerName::Color => Request::COLOR,
+    }
+}
+
+/// The names of a light's views: those of cube faces where there are six.
+pub(crate) fn view_names(count: usize) -> Vec<String> {
+    if count == CUBE_FACE_NAMES.len() { CUBE_FACE_NAMES.map(String::from).to_vec() } else { vec![String::new(); count] }
+}
+
+/// How lights are shadowed.
+fn settings(args: &PictureArgs) -> Result<ShadowSettings, CliError> {
+    let bias = match (args.bias, args.bias_constant) {
+        (BiasName::None, None) => Bias::None,
+        (BiasName::None, Some(metres)) => return Err(CliError::BiasConstant(metres)),
+        (BiasName::Constant, metres) => Bias::Constant { metres: metres.unwrap_or(DEFAULT_CONSTANT_METRES) },
+        (BiasName::Slope, metres) => Bias::Slope { scale: 1.0, metres: metres.unwrap_or(0.0) },
+    };
+    let filter = match args.filter {
+        FilterName::Hard => Filter::Hard,
+        FilterName::Bilinear => Filter::Bilinear,
+    };
+    Ok(ShadowSettings { bias, filter, map_size: args.map_size, ..ShadowSettings::default() })
+}
+
+/// The scene and what it is called.
+fn load(source: Option<&SceneSource>, console: &Console) -> Result<(String, Scene), CliError> {
+    match source {
+        None => Ok(("builtin:demo".into(), builtin::demo())),
+        Some(SceneSource::Builtin(name)) => {
+            let scene = builtin::by_name(name).ok_or_else(|| CliError::Builtin { name: name.clone(), names: builtin::NAMES })?;
+            Ok((format!("builtin:{name}"), scene))
+        }
+        Some(SceneSource::File(path)) => {
+            console.stage(format!("reading {}", path.display()));
+            Ok((path.display().to_string(), import(path)?))
+        }
+    }
+}
+
+/// The scene under the lights of the command line, if there are any.
+fn with_chosen_lights(scene: Scene, args: &PictureArgs) -> Result<Scene, CliError> {
+    if args.lights.is_empty() {
+        return Ok(scene);
+    }
+    let mut lights = Vec::with_capacity(args.lights.len());
+    for spec in &args.lights {
+        let light = spec.to_light(scene.origin());
+        light.validate().map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
+        lights.push(SceneLight { name: spec.name().into(), light });
+    }
+    Ok(scene.with_lights(lights))
+}
+
+/// The chosen camera and its name; the scene's first if none is chosen.
+fn camera(scene: &Scene, choice: Option<&CameraChoice>) -> Result<(String, Camera), CliError> {
+    let first = Selector::Index(0);
+    let selector = match choice {
+        Some(CameraChoice::Placed(spec)) => {
+            let camera = spec
+                .to_camera(scene.origin(), f64::from(scene.bounds().radius()))
+                .map_err(|source| CliError::Camera { spec: spec.text.clone(), source })?;
+            return Ok((spec.text.clone(), camera));
+        }
+        Some(CameraChoice::Selected(selector)) => selector,
+        None => &first,
+    };
+    let names: Vec<String> = scene.cameras().iter().map(|camera| camera.name.clone()).collect();
+    let camera = &scene.cameras()[selector.find("camera", &names)?];
+    Ok((camera.name.clone(), camera.camera))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use glam::Vec3;
+
+    use super::*;
+    use crate::args::{Args, Command};
+
+    fn job(options: &str) -> Result<Job, CliError> {
+        let line = format!("shadow plan {options}");
+        let Some(Command::Plan(args)) = Args::try_parse_from(line.split_whitespace()).unwrap().command else {
+            panic!("not plan")
+        };
+        Job::resolve(&args.picture, &Console::new(true))
+    }
+
+    fn message(options: &str) -> String {
+        job(options).err().map(|error| crate::error::chain(&error)).unwrap()
+    }
+
+    #[test]
+    fn the_bias_takes_its_default_length_from_its_kind() {
+        let bias = |options: &str| job(options).unwrap().settings.bias;
+        assert_eq!(bias(""), Bias::Slope { scale: 1.0, metres: 0.0 });
+        assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::Slope { scale: 1.0, metres: 0.5 });
+        assert_eq!(bias("--bias constant"), Bias::Constant { metres: 0.01 });
+        assert_eq!(bias("--bias none"), Bias::None);
+        assert!(message("--bias none --bias-constant 0").contains("--bias none"));
+        assert!(message("--bias-constant -1").contains("-1 m"));
+    }
+
+    #[test]
+    fn lights_of_the_command_line_replace_those_of_the_scene() {
+        let job = job("--light point:pos=0,2,0;cd=10 --light directional:dir=0,-1,0;lux=1").unwrap();
+        assert_eq!(job.light_names(), ["point", "directional"]);
+        assert_eq!(job.plan.views.len(), 7);
+        assert_eq!(job.scene.lights()[0].light.position(), Some(Vec3::new(0.0, 2.0, 0.0)));
+        assert!(message("--light point:pos=0,2,0;cd=-1").starts_with("--light `point:pos=0,2,0;cd=-1`: "));
+    }
+
+    #[test]
+    fn layers_that_do_not_exist_are_told_which_do() {
+        let job = job("--light point:pos=0,2,0;cd=10").unwrap();
+        let face = Show::ShadowMap(Selector::Name("point".into()), 5);
+        assert_eq!(job.layer(&face).unwrap(), LayerName::ShadowMap { light: 0, view: 5 });
+        let error = job.layer(&Show::ShadowMap(Selector::Index(0), 6)).unwrap_err().to_string();
+        assert!(error.contains("no view 6") && error.contains("6 views") && error.contains("`-z`"), "{error}");
+        let error = job.layer(&Show::Visibility(Selector::Index(1))).unwrap_err().to_string();
+        assert!(error.contains("no light 1") && error.contains("`point`"), "{error}");
+    }
+
+    #[test]
+    fn unknown_scenes_and_cameras_are_told_which_there_are() {
+        assert!(message("builtin:moon").contains("box-on-plane"));
+        let error = message("--camera 7");
+        assert!(error.contains("no camera 7") && error.contains("1 camera"), "{error}");
+        assert!(message("missing.glb").contains("missing.glb"));
+        assert!(message("--exposure 99").contains("99"));
+    }
+}

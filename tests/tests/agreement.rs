@@ -1,0 +1,244 @@
+//! CPU against GPU: stage by stage and layer by layer, over built-in, random and real scenes.
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use proptest::{prelude::*, test_runner::TestRunner};
+use shadow_cpu::{CpuRenderer, RasterRules};
+use shadow_gpu::DriverRules;
+use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split};
+use shadow_scene::{
+    Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
+    Vertices, Wrap, builtin,
+    compare::{Contract, compare},
+    import,
+};
+use shadow_tests::{renderers, report::assert_agreement};
+
+/// What the adapter under test is held to.
+fn contract() -> Contract {
+    match renderers::gpu().adapter().rules {
+        DriverRules::Lavapipe22 => Contract::Exact,
+        DriverRules::Unknown => Contract::Tolerance,
+    }
+}
+
+fn cpu_frame(scene: &Scene, plan: &FramePlan) -> Frame {
+    let prepared = renderers::cpu().prepare(scene);
+    renderers::cpu().render(&prepared, plan, Request::ALL).expect("the scene can be rendered").frame
+}
+
+/// The layers of a map stage's result, in the order of the views.
+fn maps_of(frame: &Frame) -> Vec<Vec<f32>> {
+    let is_map = |name| matches!(name, LayerName::ShadowMap { .. });
+    let layers = frame.layers.iter().filter(|layer| is_map(layer.name));
+    layers
+        .map(|layer| match &layer.pixels {
+            Pixels::Float(depths) => depths.clone(),
+            _ => panic!("maps hold depths"),
+        })
+        .collect()
+}
+
+/// Renders on both and compares; then again with the GPU resolving the CPU's maps.
+fn check(case: &str, scene: &Scene, camera: &Camera, settings: &ShadowSettings, size: (u32, u32)) {
+    let plan = FramePlan::new(scene, camera, settings, size.0, size.1, None).unwrap_or_else(|error| panic!("{case}: {error}"));
+    let cpu = cpu_frame(scene, &plan);
+    let gpu = renderers::gpu();
+    pollster::block_on(async {
+        let uploaded = gpu.upload(scene).await.unwrap_or_else(|error| panic!("{case}: {error}"));
+        let frame = gpu.render(&uploaded, &plan, Request::ALL).await.unwrap_or_else(|error| panic!("{case}: {error}")).frame;
+        let comparison = compare(&cpu, &frame, scene, &plan, contract()).unwrap_or_else(|error| panic!("{case}: {error}"));
+        assert_agreement(case, &comparison, &cpu, &frame);
+
+        let maps = gpu.upload_maps(plan.map_size, &maps_of(&cpu)).await.unwrap_or_else(|error| panic!("{case}: {error}"));
+        let frame = gpu.render_with(&uploaded, &plan, Request::ALL, Some(maps)).await;
+        let frame = frame.unwrap_or_else(|error| panic!("{case}: {error}")).frame;
+        let comparison = compare(&cpu, &frame, scene, &plan, contract()).unwrap_or_else(|error| panic!("{case}: {error}"));
+        assert_agreement(&format!("{case} from the CPU's maps"), &comparison, &cpu, &frame);
+        let of_maps = comparison.layers.iter().filter(|layer| matches!(layer.name, LayerName::ShadowMap { .. }));
+        assert_eq!(of_maps.map(|layer| layer.differing).sum::<usize>(), 0, "{case}: uploaded maps come back as they were");
+    });
+}
+
+/// One light of each kind for a scene, placed by its bounds.
+fn one_of_each(scene: &Scene) -> [(&'static str, Light); 3] {
+    let bounds = scene.bounds();
+    let (center, radius) = (bounds.center(), bounds.radius().max(1e-3));
+    let intensity = 1000.0 * radius * radius;
+    let above = center + Vec3::new(0.35, 0.9, 0.5) * radius;
+    let spot = LightKind::Spot { position: above, direction: center - above, inner: 0.4, outer: 0.6, range: None };
+    let point = LightKind::Point { position: center + Vec3::new(0.1, 0.45, 0.2) * radius, range: Some(4.0 * radius) };
+    [
+        (
+            "directional",
+            Light { kind: LightKind::Directional { direction: Vec3::new(-0.4, -1.0, 0.3) }, color: Vec3::ONE, intensity: 1e4 },
+        ),
+        ("spot", Light { kind: spot, color: Vec3::new(1.0, 0.8, 0.6), intensity }),
+        ("point", Light { kind: point, color: Vec3::new(0.7, 0.8, 1.0), intensity }),
+    ]
+}
+
+fn lit_by(scene: &Scene, name: &str, light: Light) -> Scene {
+    scene.clone().with_lights(vec![SceneLight { name: name.into(), light }])
+}
+
+#[test]
+fn built_in_scenes_agree_under_every_setting() {
+    for name in builtin::NAMES {
+        let scene = builtin::by_name(name).expect("the name is listed");
+        let camera = scene.cameras()[0].camera;
+        for filter in [Filter::Hard, Filter::Bilinear] {
+            for (bias_name, bias) in
+                [("none", Bias::None), ("constant", Bias::Constant { metres: 0.01 }), ("slope", Bias::default())]
+            {
+                let settings = ShadowSettings { filter, bias, map_size: 300, ..ShadowSettings::default() };
+                check(&format!("{name} {filter:?} {bias_name}"), &scene, &camera, &settings, (203, 117));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_light_agrees_also_around_a_cube() {
+    let scene = builtin::demo();
+    let camera = scene.cameras()[0].camera;
+    for (name, light) in one_of_each(&scene) {
+        let scene = lit_by(&scene, name, light);
+        let settings = ShadowSettings { map_size: 256, ..ShadowSettings::default() };
+        check(&format!("demo {name}"), &scene, &camera, &settings, (320, 180));
+        if light.position().is_some() {
+            check(&format!("demo {name} cube"), &scene, &camera, &ShadowSettings { split: Split::Cube, ..settings }, (320, 180));
+        }
+    }
+}
+
+/// The real scenes that the agreement is promised for.
+const REAL_SCENES: [&str; 12] = [
+    "sponza/sponza.glb",
+    "dutch_ship/dutch_ship_medium.glb",
+    "shapespark_garden/shapespark_garden.glb",
+    "stanford_bunny/stanford_bunny.glb",
+    "carbon_sphere/carbon_sphere.glb",
+    "living_room/living_room.glb",
+    "map_auster/map_auster.glb",
+    "lights_playcanvas/Lights.glb",
+    "lights_punctual_lamp/LightsPunctualLamp.glb",
+    "shadow_columns/shadow_columns.glb",
+    "terrain/terrain.glb",
+    "three_storey_building/no_indices_3storybuilding.glb",
+];
+
+/// Each with its own lights and with one of each kind; small by default, at 1280 x 720 with 1024 texels if `SHADOW_TESTS_FULL` is set.
+#[test]
+fn real_scenes_agree() {
+    let Some(folder) = renderers::scenes("real_scenes_agree") else { return };
+    let is_full = std::env::var_os("SHADOW_TESTS_FULL").is_some();
+    let (size, map_size) = if is_full { ((1280, 720), 1024) } else { ((320, 180), 512) };
+    let settings = ShadowSettings { map_size, ..ShadowSettings::default() };
+    for file in REAL_SCENES {
+        let scene = import(&folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        let camera = scene.cameras()[0].camera;
+        check(file, &scene, &camera, &settings, size);
+        for (name, light) in one_of_each(&scene) {
+            check(&format!("{file} {name}"), &lit_by(&scene, name, light), &camera, &settings, size);
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let scene = builtin::demo();
+    let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
+    let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, 400, 225, None).expect("the demo can be planned");
+    let render = |threads: usize| {
+        let renderer = CpuRenderer::new(threads, RasterRules::default()).expect("the threads start");
+        assert!(threads == 0 || renderer.threads() == threads);
+        let prepared = renderer.prepare(&scene);
+        renderer.render(&prepared, &plan, Request::ALL).expect("the demo can be rendered").frame
+    };
+    let one = render(1);
+    assert!(one.layers.len() >= 6);
+    for threads in [2, 3, 7, 0] {
+        let many = render(threads);
+        for (a, b) in one.layers.iter().zip(&many.layers) {
+            assert!(a.name == b.name && a.pixels.as_bytes() == b.pixels.as_bytes(), "{} with {threads} threads", a.name);
+        }
+    }
+}
+
+/// A soup of random triangles: slivers, crossers of every plane, coincident ones, some alpha-tested, some double-sided.
+fn soup() -> impl Strategy<Value = Scene> {
+    let triangle = (
+        prop::array::uniform3(-6.0..6.0_f32),
+        prop::array::uniform6(-1.0..1.0_f32),
+        prop::sample::select(vec![0.01_f32, 0.3, 3.0, 40.0]),
+        prop::sample::select(vec![1.0_f32, 0.001]),
+        0..4_usize,
+    );
+    prop::collection::vec(triangle, 60..200).prop_map(|triangles| {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let texels = (0..64).map(|i: u32| [200, 120, (i * 4) as u8, if (i / 3) % 2 == 0 { 255 } else { 40 }]).collect();
+        let image = builder.add_image(Image { width: 8, height: 8, texels });
+        let texture = Some(Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::MirroredRepeat });
+        let materials: Vec<u32> = (0..4)
+            .map(|i| {
+                let alpha = if i & 1 == 0 { Alpha::Opaque } else { Alpha::Mask { cutoff: 0.5 } };
+                builder.add_material(Material { alpha, texture, double_sided: i & 2 != 0, roughness: 0.4, ..Material::white() })
+            })
+            .collect();
+        for (center, spread, size, thinness, kind) in triangles {
+            let center = Vec3::from(center);
+            let a = Vec3::from_slice(&spread[..3]) * size;
+            let b = a + Vec3::from_slice(&spread[3..]) * (size * thinness);
+            let positions = vec![center, center + a, center + b];
+            let normal = a.cross(b).normalize_or_zero();
+            let mesh = Mesh {
+                vertices: Vertices {
+                    positions,
+                    normals: vec![normal; 3],
+                    uvs: vec![Vec2::ZERO, Vec2::X * 1.3, Vec2::Y * 2.1],
+                    colors: vec![Vec4::ONE, Vec4::new(1.0, 0.5, 0.2, 1.0), Vec4::ONE],
+                },
+                triangles: vec![[0, 1, 2]],
+            };
+            builder.add_instance("soup", materials[kind], mesh).expect("the triangle is sound");
+        }
+        builder.build().expect("there are triangles")
+    })
+}
+
+/// Random cameras and lights on random triangles. The runner is called by hand, so that one device serves all cases.
+#[test]
+fn random_scenes_agree() {
+    let inputs = (
+        soup(),
+        prop::array::uniform3(-8.0..8.0_f64),
+        prop::array::uniform3(-3.0..3.0_f64),
+        0.2..2.6_f64,
+        any::<bool>(),
+        prop::array::uniform3(-7.0..7.0_f32),
+        (0..3_usize, 17..400_u32, 20..200_u32, 10..150_u32),
+        prop::sample::select(vec![Filter::Hard, Filter::Bilinear]),
+    );
+    let mut runner = TestRunner::new(ProptestConfig { cases: 48, ..ProptestConfig::default() });
+    let result =
+        runner.run(&inputs, |(scene, eye, target, fov, orthographic, light, (kind, map_size, width, height), filter)| {
+            let projection = if orthographic {
+                Projection::Orthographic { half_height: 4.0 * fov, near: 0.1, far: 30.0 }
+            } else {
+                Projection::Perspective { vertical_fov: fov, near: 0.05, far: (fov > 1.0).then_some(60.0) }
+            };
+            let Ok(camera) = Camera::look_at(eye.into(), target.into(), projection) else { return Ok(()) };
+            let position = Vec3::from(light);
+            let direction = Vec3::new(0.1, -1.0, 0.2) - position;
+            let light_kind = match kind {
+                0 => LightKind::Directional { direction },
+                1 => LightKind::Spot { position, direction, inner: 0.2, outer: 0.7, range: Some(30.0) },
+                _ => LightKind::Point { position, range: None },
+            };
+            let scene = lit_by(&scene, "light", Light { kind: light_kind, color: Vec3::ONE, intensity: 300.0 });
+            let settings = ShadowSettings { filter, map_size, ..ShadowSettings::default() };
+            check("random triangles", &scene, &camera, &settings, (width, height));
+            Ok(())
+        });
+    result.unwrap_or_else(|error| panic!("{error}"));
+}

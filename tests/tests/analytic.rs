@@ -1,0 +1,106 @@
+//! Scenes whose shadows follow from geometry.
+
+use glam::{DQuat, DVec3};
+use shadow_math::{Bias, Camera, Filter, Projection, ShadowSettings, triangle::pixel_ray};
+use shadow_scene::{Frame, FramePlan, LayerName, Request, Scene, builtin};
+use shadow_tests::renderers;
+
+/// A camera straight above the origin that sees `half_height` metres to either side.
+fn from_above(half_height: f64) -> Camera {
+    Camera {
+        eye: DVec3::new(0.0, 50.0, 0.0),
+        orientation: DQuat::from_rotation_x(-core::f64::consts::FRAC_PI_2),
+        projection: Projection::Orthographic { half_height, near: 1.0, far: 100.0 },
+    }
+}
+
+const PIXELS: u32 = 512;
+
+fn render(scene: &Scene, half_height: f64, filter: Filter) -> (FramePlan, Frame) {
+    let settings = ShadowSettings { filter, bias: Bias::default(), map_size: 2048, ..ShadowSettings::default() };
+    let plan =
+        FramePlan::new(scene, &from_above(half_height), &settings, PIXELS, PIXELS, None).expect("the scene can be planned");
+    let renderer = renderers::cpu();
+    let frame = renderer.render(&renderer.prepare(scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
+    (plan, frame)
+}
+
+/// Compares the visibility of every pixel on the ground with a closed form. Pixels nearer than `blur` metres to the outline, where a texel of
+/// the map decides, are left out and counted: `(wrong, left out, shadowed)`.
+fn against_closed_form(scene: &Scene, half_height: f64, blur: f64, shadowed: impl Fn(f32, f32) -> bool) -> (usize, usize, usize) {
+    let (plan, frame) = render(scene, half_height, Filter::Hard);
+    let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("the layer was asked for");
+    let triangles = frame.triangles().expect("the layer was asked for");
+    let (mut wrong, mut left_out, mut in_shadow) = (0, 0, 0);
+    for (i, (&visibility, &triangle)) in visibility.iter().zip(triangles).enumerate() {
+        let (x, y) = (i as u32 % PIXELS, i as u32 / PIXELS);
+        let ray = pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5);
+        if triangle == u32::MAX {
+            continue;
+        }
+        let point = scene.point(triangle, ray).point.as_dvec3() + scene.origin();
+        // Only the ground; what stands on it is not in the closed form.
+        if point.y.abs() > 1e-6 {
+            continue;
+        }
+        let shadowed = |dx: f64, dz: f64| shadowed((point.x + dx) as f32, (point.z + dz) as f32);
+        let expected = shadowed(0.0, 0.0);
+        let near_outline =
+            [(blur, 0.0), (-blur, 0.0), (0.0, blur), (0.0, -blur), (blur, blur), (-blur, -blur), (blur, -blur), (-blur, blur)]
+                .into_iter()
+                .any(|(dx, dz)| shadowed(dx, dz) != expected);
+        in_shadow += usize::from(expected);
+        if near_outline {
+            left_out += 1;
+        } else {
+            wrong += usize::from((visibility == 0.0) != expected);
+        }
+    }
+    (wrong, left_out, in_shadow)
+}
+
+/// How far an outline may be off: a texel's diagonal, and what the slope bias lifts off the ground.
+fn blur_of(scene: &Scene, half_height: f64) -> f64 {
+    let (plan, _) = render(scene, half_height, Filter::Hard);
+    let [width, height] = plan.views[0].texel_metres;
+    2.0 * f64::from(width.max(height)) * core::f64::consts::SQRT_2
+}
+
+#[test]
+fn the_shadow_of_a_box_has_the_outline_that_geometry_gives() {
+    let scene = builtin::box_on_plane();
+    let blur = 1.5 * blur_of(&scene, 6.0);
+    let (wrong, left_out, in_shadow) = against_closed_form(&scene, 6.0, blur, builtin::box_on_plane_is_shadowed);
+    assert!(in_shadow > 3000, "the shadow is in the picture: {in_shadow}");
+    assert!(left_out < in_shadow / 4, "the outline is thin: {left_out} of {in_shadow}");
+    assert_eq!(wrong, 0);
+}
+
+#[test]
+fn a_fence_shadows_the_share_that_its_bars_take_up() {
+    let scene = builtin::fence();
+    let blur = blur_of(&scene, 1.0);
+    let (wrong, left_out, in_shadow) = against_closed_form(&scene, 1.0, blur, builtin::fence_is_shadowed);
+    assert!(in_shadow > 1000, "the shadow is in the picture: {in_shadow}");
+    assert!(left_out < 4 * in_shadow, "some of every bar is left to test: {left_out} of {in_shadow}");
+    assert_eq!(wrong, 0);
+}
+
+/// The lit plane at one degree: the case that every constant bias fails.
+#[test]
+fn a_grazing_light_leaves_no_acne() {
+    let scene = builtin::grazing();
+    for filter in [Filter::Hard, Filter::Bilinear] {
+        let (_, frame) = render(&scene, 4.0, filter);
+        let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("the layer was asked for");
+        let seen = frame.triangles().expect("the layer was asked for").iter().filter(|&&triangle| triangle != u32::MAX).count();
+        assert!(seen > 10_000, "the plane is in the picture");
+        assert!(visibility.iter().all(|&visibility| visibility == 1.0), "{filter:?}");
+    }
+    let constant = ShadowSettings { bias: Bias::Constant { metres: 0.01 }, map_size: 512, ..ShadowSettings::default() };
+    let plan = FramePlan::new(&scene, &from_above(4.0), &constant, PIXELS, PIXELS, None).expect("the scene can be planned");
+    let renderer = renderers::cpu();
+    let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
+    let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("the layer was asked for");
+    assert!(visibility.iter().any(|&visibility| visibility < 1.0), "a centimetre is not enough at one degree");
+}

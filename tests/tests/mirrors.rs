@@ -1,0 +1,1342 @@
+//! Every function that WGSL repeats, over thousands of inputs in a compute shader, against its Rust twin.
+//!
+//! The statements hand plain inputs to the function under test and nothing else: a constant beside it would be folded into it by
+//! the driver's compiler, and the numbers would say nothing about the function. What an input has to be is computed in Rust.
+
+use std::sync::OnceLock;
+
+use glam::{Vec2, Vec3, Vec4};
+use shadow_gpu::DriverRules;
+use shadow_math::{
+    Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
+    bias::{depth_bias, depth_gradient},
+    bounds::Aabb,
+    filter::{depth_test, filtered_test, support, weighted_taps},
+    fit::cube_face_of,
+    material::{
+        DECODE_TABLE_LEN, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, base_color, decode_texel,
+        sample_texture, wrap_texel,
+    },
+    plan::{
+        BIAS_SLOPE, FILTER_BILINEAR, FILTER_HARD, LightPlan, MAX_VIEWS_PER_LIGHT, SPLIT_SINGLE, ViewPlan, plan_light,
+        toward_light,
+    },
+    shade::{Surface, attenuation, shade_ambient, shade_light},
+    srgb::{decode_table, linear_to_srgb},
+    triangle::{Ray, pixel_ray, triangle_point, turned_to_viewer},
+    vector::{normalized, row_times_point},
+    visibility::{NO_VIEW, lookup, visibility},
+};
+use shadow_tests::{
+    mirror::{Globals, MIRRORS, evaluate, ulps},
+    renderers::gpu,
+};
+
+/// How many inputs every function meets at least.
+const COUNT: usize = 8192;
+
+/// Width and height of the maps in texels.
+const MAP_SIZE: u32 = 32;
+
+/// A result of the Rust twin.
+#[derive(Clone, Copy, Debug)]
+struct Number {
+    value: f32,
+    /// The size of the terms that the value is computed from, for where they cancel; infinite where a decision hangs on the last bit.
+    scale: f32,
+}
+
+impl From<f32> for Number {
+    fn from(value: f32) -> Self {
+        Self { value, scale: value.abs() }
+    }
+}
+
+/// A function and how it is tested.
+struct Mirror {
+    /// The stem of the WGSL file.
+    file: &'static str,
+    /// The WGSL function, and the ones that only it calls.
+    functions: &'static [&'static str],
+    /// Calls the function.
+    statements: &'static str,
+    /// How many inputs one call takes.
+    inputs_each: usize,
+    /// At least [`COUNT`] groups of inputs.
+    inputs: fn(&World, &mut Random) -> Vec<f32>,
+    /// The same in Rust.
+    twin: fn(&World, &[f32]) -> Vec<Number>,
+    /// How far a driver of which only WGSL's promises are known may be off, in units in the last place of [`Number::scale`].
+    /// On [`DriverRules::Lavapipe22`] it is none for every function.
+    bound: u32,
+    /// Why that far. WGSL promises correctly rounded `+ - *` that may be fused and reassociated, and 2.5 units for `/`.
+    reason: &'static str,
+}
+
+/// The table. Every function of every mirror is in it: [`every_mirrored_function_is_tested`].
+const TABLE: &[Mirror] = &[
+    Mirror {
+        file: "vector",
+        functions: &["dot3"],
+        statements: "output(0u, dot3(input3(0u), input3(3u)));",
+        inputs_each: 6,
+        inputs: |_, random| pairs_of_vectors(random),
+        twin: |_, i| vec![sum(v3(i, 0).dot(v3(i, 3)), &[v3(i, 0) * v3(i, 3)])],
+        bound: 6,
+        reason: "three roundings of the terms on each side",
+    },
+    Mirror {
+        file: "vector",
+        functions: &["cross3"],
+        statements: "output3(0u, cross3(input3(0u), input3(3u)));",
+        inputs_each: 6,
+        inputs: |_, random| pairs_of_vectors(random),
+        twin: |_, i| {
+            let (a, b) = (v3(i, 0), v3(i, 3));
+            scaled(a.cross(b), magnitude_of_cross(a, b))
+        },
+        bound: 4,
+        reason: "two roundings of the terms on each side",
+    },
+    Mirror {
+        file: "vector",
+        functions: &["row_times_point"],
+        statements: "output(0u, row_times_point(vec4f(input3(0u), input(3u)), input3(4u)));",
+        inputs_each: 7,
+        inputs: |_, random| {
+            random.groups(&[[0.0; 7], [1.0, -1.0, 0.0, 0.0, 0.5, 0.5, 9.0], [0.0, 0.0, 0.0, 1.0, 1e30, -1e30, 3.0]], |random| {
+                random.numbers(9.0)
+            })
+        },
+        twin: |_, i| {
+            let row = [i[0], i[1], i[2], i[3]];
+            vec![Number { value: row_times_point(row, v3(i, 4)), scale: magnitude_of_row(row, v3(i, 4)) }]
+        },
+        bound: 8,
+        reason: "four roundings of the terms on each side",
+    },
+    Mirror {
+        file: "vector",
+        functions: &["normalized"],
+        statements: "output3(0u, normalized(input3(0u)));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            let edges = [[0.0; 3], [-0.0, 0.0, 0.0], [1e-12, 0.0, 0.0], [0.0, -1e15, 1e15], [1e-30, 1e-30, 0.0], [3.0, 0.0, 4.0]];
+            random.groups(&edges, |random| random.vector(10.0).to_array())
+        },
+        twin: |_, i| numbers(normalized(v3(i, 0)).to_array()),
+        bound: 12,
+        reason: "a sum of squares, a square root of 4.5 units and a division",
+    },
+    Mirror {
+        file: "light",
+        functions: &["toward_light"],
+        statements: "output3(0u, toward_light(u32(input(0u)), input3(1u)));",
+        inputs_each: 4,
+        inputs: |world, random| random.groups::<4>(&[], |random| world.light_and_point(random)),
+        twin: |world, i| numbers(toward_light(world.light(i[0]), v3(i, 1)).to_array()),
+        bound: 0,
+        reason: "one correctly rounded subtraction",
+    },
+    Mirror {
+        file: "triangle",
+        functions: &["pixel_ray"],
+        statements: "let ray = pixel_ray(views[u32(input(0u))].rays, input(1u), input(2u));
+            output3(0u, ray.origin);
+            output3(3u, ray.direction);",
+        inputs_each: 3,
+        inputs: |world, random| {
+            random.groups(&[[0.0; 3], [0.0, 0.5, 0.5]], |random| {
+                let pixel = [random.below(MAP_SIZE), random.below(MAP_SIZE)].map(|x| x as f32 + 0.5);
+                [random.below(world.globals.views.len() as u32) as f32, pixel[0], pixel[1]]
+            })
+        },
+        twin: |world, i| {
+            let rays = world.view(i[0]).rays;
+            let ray = pixel_ray(&rays, i[1], i[2]);
+            let terms =
+                |a: [f32; 4], dx: [f32; 4], dy: [f32; 4]| v3(&a, 0).abs() + (v3(&dx, 0) * i[1]).abs() + (v3(&dy, 0) * i[2]).abs();
+            let origin = scaled(ray.origin, terms(rays.origin, rays.origin_dx, rays.origin_dy));
+            let direction = scaled(ray.direction, terms(rays.direction, rays.direction_dx, rays.direction_dy));
+            [origin, direction].concat()
+        },
+        bound: 8,
+        reason: "four roundings of the terms on each side",
+    },
+    Mirror {
+        file: "triangle",
+        functions: &["triangle_point"],
+        statements: "let hit = triangle_point(Ray(input3(0u), input3(3u)), input3(6u), input3(9u), input3(12u));
+            output3(0u, hit.point);
+            output3(3u, hit.normal);
+            output(6u, hit.u);
+            output(7u, hit.v);",
+        inputs_each: 15,
+        inputs: |_, random| random.groups(&degenerate_triangles(), rays_and_triangles),
+        twin: |_, i| {
+            let [origin, direction, v0, v1, v2] = [0, 3, 6, 9, 12].map(|first| v3(i, first));
+            let hit = triangle_point(Ray { origin, direction }, v0, v1, v2);
+            let (e1, e2, s) = (v1 - v0, v2 - v0, origin - v0);
+            let determinant = e1.cross(e2).dot(direction).abs();
+            // How much the weights move when every product is rounded anew: what cancels, over what it is divided by.
+            let (normal, q) = (magnitude_of_cross(e1, e2), magnitude_of_cross(s, direction));
+            let lost = (e1.abs().dot(q) + e2.abs().dot(q) + 2.0 * normal.dot(direction.abs())) / determinant;
+            let point = v0.abs() + (e1.abs() + e2.abs()) * (1.0 + lost);
+            let weights = [hit.u, hit.v].map(|value| Number { value, scale: 1.0 + lost });
+            [scaled(hit.point, point), scaled(hit.normal, normal), weights.to_vec()].concat()
+        },
+        bound: 24,
+        reason: "some ten roundings one after the other on each side, and a division",
+    },
+    Mirror {
+        file: "triangle",
+        functions: &["turned_to_viewer"],
+        statements: "output3(0u, turned_to_viewer(input3(0u), input3(3u), Ray(input3(6u), input3(9u))));",
+        inputs_each: 12,
+        inputs: |_, random| {
+            let mut edge_on = [0.0; 12];
+            edge_on[..6].copy_from_slice(&[1.0, 2.0, 3.0, 0.0, 1.0, 0.0]);
+            edge_on[9] = 1.0;
+            random.groups(&[[0.0; 12], edge_on], |random| random.numbers(5.0))
+        },
+        twin: |_, i| {
+            let (v, normal, direction) = (v3(i, 0), v3(i, 3), v3(i, 9));
+            let turned = turned_to_viewer(v, normal, Ray { origin: v3(i, 6), direction });
+            let near = is_tie(normal.dot(direction), normal.abs().dot(direction.abs()));
+            scaled(turned, if near { Vec3::INFINITY } else { v.abs() })
+        },
+        bound: 0,
+        reason: "a sign, except where the surface is seen edge-on",
+    },
+    Mirror {
+        file: "bias",
+        functions: &["depth_gradient", "normal_derivative"],
+        statements: "let gradient = depth_gradient(u32(input(0u)), input3(1u), input3(4u));
+            output(0u, gradient.x);
+            output(1u, gradient.y);",
+        inputs_each: 7,
+        inputs: |world, random| {
+            let view = world.light(NOON).first_view as f32;
+            let edges = [
+                [view, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0],
+                [view, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0],
+                [view, 1.0, 2.0, 3.0, 0.0, 1.0, 0.0],
+            ];
+            random.groups(&edges, |random| {
+                let view = random.below(world.globals.views.len() as u32) as f32;
+                let (p, n) = (random.vector(6.0), random.vector(2.0));
+                [view, p.x, p.y, p.z, n.x, n.y, n.z]
+            })
+        },
+        twin: |world, i| {
+            let (view, point, normal) = (world.view(i[0]), v3(i, 1), v3(i, 4));
+            let gradient = depth_gradient(view, point, normal);
+            let scale = magnitude_of_gradient(view, point, normal);
+            vec![Number { value: gradient.x, scale: scale.x }, Number { value: gradient.y, scale: scale.y }]
+        },
+        bound: 24,
+        reason: "seven roundings of each dot product's terms on each side, and a division",
+    },
+    Mirror {
+        file: "bias",
+        functions: &["depth_bias", "metres_to_depth"],
+        statements: "output(0u, depth_bias(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u)));",
+        inputs_each: 9,
+        inputs: |world, random| {
+            let view = world.light(NOON).first_view as f32;
+            let edge_on = [NOON, view, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 1.0];
+            // So near that the constant bias reaches back to the light.
+            let reaching = (0..world.globals.lights.len()).map(|light| {
+                let first = world.globals.lights[light].first_view as f32;
+                [light as f32, first, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.005]
+            });
+            let edges: Vec<_> = [edge_on].into_iter().chain(reaching).collect();
+            random.groups(&edges, |random| {
+                let [light, x, y, z] = world.light_and_point(random);
+                let plan = world.light(light);
+                let view = plan.first_view + random.below(plan.view_count);
+                let normal = random.vector(1.0);
+                let w = row_times_point(world.view(view as f32).clip_w, Vec3::new(x, y, z)).abs().max(1e-3);
+                [light, view as f32, x, y, z, normal.x, normal.y, normal.z, w]
+            })
+        },
+        twin: |world, i| {
+            let (light, view, point, normal, w) = (world.light(i[0]), world.view(i[1]), v3(i, 2), v3(i, 5), i[8]);
+            let value = depth_bias(light, view, point, normal, w);
+            vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, w) }]
+        },
+        bound: 48,
+        reason: "those of the gradient, and three more divisions",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["support"],
+        statements: "output(0u, support(u32(input(0u))));",
+        inputs_each: 1,
+        inputs: |_, random| random.groups::<1>(&[], |random| [random.below(FILTER_BILINEAR + 1) as f32]),
+        twin: |_, i| vec![support(i[0] as u32).into()],
+        bound: 0,
+        reason: "a constant",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["depth_test"],
+        statements: "output(0u, depth_test(u32(input(0u)), i32(input(1u)), i32(input(2u)), input(3u), input(4u)));",
+        inputs_each: 5,
+        inputs: |world, random| {
+            random.groups::<5>(&[], |random| {
+                let [view, x, y] = world.view_and_texel(random).map(f32::floor);
+                let bias = random.bias();
+                [view, x, y, world.depth_near(random, view, x, y, bias), bias]
+            })
+        },
+        twin: |world, i| {
+            let value = depth_test(&world.map(), world.view(i[0]), i[1] as i32, i[2] as i32, i[3], i[4]);
+            vec![Number { value, scale: world.scale_of_tests(i[0], FILTER_HARD, Vec2::new(i[1], i[2]), i[3], i[4], 0.0) }]
+        },
+        bound: 0,
+        reason: "0 or 1, except where the depths tie",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["filtered_test"],
+        statements: "output(0u, filtered_test(u32(input(0u)), u32(input(1u)), vec2f(input(2u), input(3u)), input(4u), input(5u)));",
+        inputs_each: 6,
+        inputs: |world, random| {
+            random.groups::<6>(&[], |random| {
+                let filter = random.below(FILTER_BILINEAR + 1) as f32;
+                let [view, x, y] = world.view_and_texel(random);
+                let bias = random.bias();
+                [view, filter, x, y, world.depth_near(random, view, x.floor(), y.floor(), bias), bias]
+            })
+        },
+        twin: |world, i| {
+            let (texel, filter) = (Vec2::new(i[2], i[3]), i[1] as u32);
+            let value = filtered_test(&world.map(), world.view(i[0]), filter, texel, i[4], i[5]);
+            vec![Number { value, scale: world.scale_of_tests(i[0], filter, texel, i[4], i[5], 0.0) }]
+        },
+        bound: 4,
+        reason: "two interpolations of zeros and ones",
+    },
+    Mirror {
+        file: "visibility",
+        functions: &["cube_face_of"],
+        statements: "output(0u, f32(cube_face_of(input3(0u))));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            let ties = (0..27_u8).map(|i| [i % 3, i / 3 % 3, i / 9].map(|x| f32::from(x) - 1.0));
+            let edges: Vec<_> = ties.chain([[-0.0; 3]]).collect();
+            random.groups(&edges, |random| random.vector(3.0).to_array())
+        },
+        twin: |_, i| vec![(cube_face_of(v3(i, 0)) as f32).into()],
+        bound: 0,
+        reason: "comparisons of the inputs themselves",
+    },
+    Mirror {
+        file: "visibility",
+        functions: &["lookup", "known_lookup"],
+        statements: "let found = lookup(u32(input(0u)), Receiver(input3(1u), input3(4u)));
+            output(0u, select(f32(found.view), -1.0, found.view == NO_VIEW));
+            output(1u, found.known);
+            output(2u, found.texel.x);
+            output(3u, found.texel.y);
+            output(4u, found.depth);
+            output(5u, found.bias);",
+        inputs_each: 7,
+        inputs: |world, _| world.receivers.concat(),
+        twin: |world, i| {
+            let (light, receiver) = receiver(world, i);
+            let found = lookup(light, &world.globals.views, &receiver);
+            let scale = world.scale_of_lookup(light, &receiver);
+            let view = if found.view == NO_VIEW { -1.0 } else { found.view as f32 };
+            let [x, y, depth, bias] =
+                [(found.texel.x, scale[0]), (found.texel.y, scale[1]), (found.depth, scale[2]), (found.bias, scale[3])]
+                    .map(|(value, scale)| Number { value, scale });
+            // Any number may be infinitely wrong only together with the choice among the answers.
+            let choice = if scale[0].is_finite() { 1.0 } else { f32::INFINITY };
+            let [view, known] = [view, found.known].map(|value| Number { value, scale: choice });
+            vec![view, known, x, y, depth, bias]
+        },
+        bound: 48,
+        reason: "a quotient of two rows, and the bias; the answer's kind is exact but at the borders",
+    },
+    Mirror {
+        file: "visibility",
+        functions: &["visibility"],
+        statements: "output(0u, visibility(u32(input(0u)), Receiver(input3(1u), input3(4u))));",
+        inputs_each: 7,
+        inputs: |world, _| world.receivers.concat(),
+        twin: |world, i| {
+            let (light, receiver) = receiver(world, i);
+            let views = &world.globals.views;
+            let value = visibility(light, views, &world.map(), &receiver);
+            let scale = world.scale_of_lookup(light, &receiver);
+            let found = lookup(light, views, &receiver);
+            // The contract's: a hard test jumps at a texel's border.
+            let at_border = light.filter == FILTER_HARD && (found.texel - found.texel.round()).abs().min_element() < 1.0 / 256.0;
+            let known = found.view == NO_VIEW;
+            let tests = if known {
+                1.0
+            } else {
+                // What rounding may add to both sides of the comparison.
+                let lost = 48.0 * (unit_of(scale[2]) + unit_of(scale[3]));
+                world.scale_of_tests(found.view as f32, light.filter, found.texel, found.depth, found.bias, lost)
+            };
+            let undecided = !scale[0].is_finite() || (at_border && !known);
+            vec![Number { value, scale: if undecided { f32::INFINITY } else { tests } }]
+        },
+        bound: 1 << 15,
+        reason: "1/256, as the contract says of pictures, except where a test ties or a lookup lies on a border",
+    },
+    Mirror {
+        file: "approx",
+        functions: &["approx_log2"],
+        statements: "output(0u, approx_log2(input(0u)));",
+        inputs_each: 1,
+        inputs: |_, random| {
+            let edges = [
+                1.0,
+                2.0,
+                0.5,
+                f32::MIN_POSITIVE,
+                f32::MAX,
+                std::f32::consts::FRAC_1_SQRT_2,
+                std::f32::consts::SQRT_2,
+                1.000_000_1,
+            ];
+            random.groups(&edges.map(|x| [x]), |random| [random.positive()])
+        },
+        twin: |_, i| vec![approx::log2(i[0]).into()],
+        bound: 16,
+        reason: "a division, and a series in which each term has its rounding",
+    },
+    Mirror {
+        file: "approx",
+        functions: &["approx_exp2"],
+        statements: "output(0u, approx_exp2(input(0u)));",
+        inputs_each: 1,
+        inputs: |_, random| {
+            let edges = [0.0, 1.0, -1.0, 0.5, -0.5, 0.499_999_97, -126.0, -126.000_01, -127.0, 127.0, 127.4, 200.0, 1e30, -1e30];
+            random.groups(&edges.map(|x| [x]), |random| [random.within(-140.0, 140.0)])
+        },
+        twin: |_, i| vec![approx::exp2(i[0]).into()],
+        bound: 8,
+        reason: "a series in which each term has its rounding",
+    },
+    Mirror {
+        file: "approx",
+        functions: &["approx_pow"],
+        statements: "output(0u, approx_pow(input(0u), input(1u)));",
+        inputs_each: 2,
+        inputs: |_, random| {
+            let bases = [0.0, -0.0, -1.0, f32::NAN, f32::MIN_POSITIVE, 1e-40, 1.0, 0.999_999_9];
+            let edges: Vec<_> = bases.into_iter().flat_map(|x| [1.0, 2.0, 2048.0, 0.0].map(|y| [x, y])).collect();
+            random.groups(&edges, |random| {
+                if random.below(2) == 0 {
+                    [random.unit(), random.within(1.0, 2048.0)]
+                } else {
+                    [random.positive(), random.within(-2.0, 2.0)]
+                }
+            })
+        },
+        twin: |_, i| {
+            let value = approx::pow(i[0], i[1]);
+            vec![Number { value, scale: value * (1.0 + (i[1] * i[0].log2()).abs()) }]
+        },
+        bound: 24,
+        reason: "the logarithm's error times the exponent",
+    },
+    Mirror {
+        file: "srgb",
+        functions: &["linear_to_srgb"],
+        statements: "output(0u, linear_to_srgb(input(0u)));",
+        inputs_each: 1,
+        inputs: |_, random| {
+            let limit = 0.003_130_8_f32;
+            let edges =
+                [0.0, 1.0, -1.0, 7.0, limit, limit.next_up(), limit.next_down(), f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+            random.groups(&edges.map(|x| [x]), |random| {
+                [if random.below(4) == 0 { random.unit() * 0.01 } else { random.unit() * 1.1 }]
+            })
+        },
+        twin: |_, i| {
+            let value = linear_to_srgb(i[0]);
+            vec![Number { value, scale: value + 0.055 }]
+        },
+        bound: 96,
+        reason: "a power whose exponent is at most 4",
+    },
+    Mirror {
+        file: "material",
+        functions: &["wrap_texel"],
+        statements: "output(0u, f32(wrap_texel(i32(input(0u)), i32(input(1u)), u32(input(2u)))));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            random.groups::<3>(&[], |random| {
+                let size = [1, 2, 3, 5, 16, 1024][random.below(6) as usize];
+                let reach = if random.below(2) == 0 { 3 * size + 1 } else { 8_388_609 };
+                let index = random.below(2 * reach + 1) as i32 - reach as i32;
+                [index as f32, size as f32, random.below(WRAP_MIRROR + 1) as f32]
+            })
+        },
+        twin: |_, i| vec![(wrap_texel(i[0] as i32, i[1] as i32, i[2] as u32) as f32).into()],
+        bound: 0,
+        reason: "integers",
+    },
+    Mirror {
+        file: "material",
+        functions: &["decode_texel"],
+        statements: "let color = decode_texel(u32(input(0u)) << 16u | u32(input(1u)));
+            output3(0u, color.xyz);
+            output(3u, color.w);",
+        inputs_each: 2,
+        inputs: |_, random| {
+            // Every byte as alpha and as blue, then as green and as red.
+            let edges: Vec<_> =
+                (0..=255_u16).flat_map(|byte| [[257.0 * f32::from(byte), 0.0], [0.0, 257.0 * f32::from(byte)]]).collect();
+            random.groups(&edges, |random| [random.below(65_536) as f32, random.below(65_536) as f32])
+        },
+        twin: |world, i| numbers(decode_texel(&world.globals.words, (i[0] as u32) << 16 | i[1] as u32).to_array()),
+        bound: 3,
+        reason: "a table, and a division for alpha",
+    },
+    Mirror {
+        file: "material",
+        functions: &["sample_texture"],
+        statements: "let color = sample_texture(materials[u32(input(0u))].texture, vec2f(input(1u), input(2u)));
+            output3(0u, color.xyz);
+            output(3u, color.w);",
+        inputs_each: 3,
+        inputs: |world, random| random.groups(&world.edges_of_textures(), |random| world.texture_coordinates(random)),
+        twin: |world, i| {
+            let texture = world.globals.materials[i[0] as usize].texture;
+            let color = sample_texture(&world.globals.words, &texture, Vec2::new(i[1], i[2]));
+            color.to_array().map(|value| Number { value, scale: texel_distance(&texture, i[1], i[2]) }).to_vec()
+        },
+        bound: 4,
+        reason: "the rounding of the texel coordinate, over which no colour changes by more than 1 a texel",
+    },
+    Mirror {
+        file: "material",
+        functions: &["base_color"],
+        statements: "let color = base_color(u32(input(0u)), vec2f(input(1u), input(2u)), vec4f(input3(3u), input(6u)));
+            output3(0u, color.xyz);
+            output(3u, color.w);",
+        inputs_each: 7,
+        inputs: |world, random| {
+            let plain = world.globals.materials.len() as f32 - 1.0;
+            random.groups(&[[plain, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], [0.0; 7]], |random| {
+                let [mut material, u, v] = world.texture_coordinates(random);
+                if random.below(8) == 0 {
+                    material = plain;
+                }
+                [material, u, v, random.unit(), random.unit(), random.unit(), random.unit()]
+            })
+        },
+        twin: |world, i| {
+            let material = &world.globals.materials[i[0] as usize];
+            let color = base_color(material, &world.globals.words, Vec2::new(i[1], i[2]), Vec4::new(i[3], i[4], i[5], i[6]));
+            color.to_array().map(|value| Number { value, scale: texel_distance(&material.texture, i[1], i[2]) }).to_vec()
+        },
+        bound: 6,
+        reason: "those of the texture, and two products",
+    },
+    Mirror {
+        file: "shade",
+        functions: &["attenuation"],
+        statements: "output(0u, attenuation(u32(input(0u)), input3(1u)));",
+        inputs_each: 4,
+        inputs: |world, random| {
+            let zero: Vec<_> = (0..world.globals.lights.len()).map(|light| [light as f32, 0.0, 0.0, 0.0]).collect();
+            random.groups(&zero, |random| {
+                let [light, x, y, z] = world.light_and_point(random);
+                let toward = toward_light(world.light(light), Vec3::new(x, y, z));
+                [light, toward.x, toward.y, toward.z]
+            })
+        },
+        twin: |world, i| {
+            let light = world.light(i[0]);
+            vec![Number { value: attenuation(light, v3(i, 1)), scale: magnitude_of_attenuation(light, v3(i, 1)) }]
+        },
+        bound: 32,
+        reason: "a square root and divisions; the cone's edge is as steep as its scale",
+    },
+    Mirror {
+        file: "shade",
+        functions: &["shade_light"],
+        statements: "let surface = Surface(input3(1u), input3(4u), input3(7u), input3(10u), input(13u));
+            output3(0u, shade_light(u32(input(0u)), surface, input(14u)));",
+        inputs_each: 15,
+        inputs: |world, random| random.groups::<15>(&[], |random| world.light_and_surface(random)),
+        twin: |world, i| {
+            let (light, surface) = (world.light(i[0]), surface(&i[1..]));
+            let toward = toward_light(light, surface.point);
+            let specular = (surface.shininess + 8.0) * (surface.shininess + 8.0);
+            let scale = Vec3::from(light.intensity) * (surface.base_color + specular) * magnitude_of_attenuation(light, toward);
+            scaled(shade_light(light, &surface, i[14]), scale)
+        },
+        bound: 64,
+        reason: "a power of a rounded cosine: its error times the exponent",
+    },
+    Mirror {
+        file: "shade",
+        functions: &["shade_ambient"],
+        statements: "let surface = Surface(input3(3u), input3(6u), input3(9u), input3(12u), input(15u));
+            output3(0u, shade_ambient(input3(0u), surface));",
+        inputs_each: 16,
+        inputs: |world, random| {
+            random.groups(&[[0.0; 16]], |random| {
+                let ambient = (random.vector(1.0) * 20_000.0).abs();
+                let mut group =
+                    [ambient.x, ambient.y, ambient.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                group[3..].copy_from_slice(&world.light_and_surface(random)[1..14]);
+                group
+            })
+        },
+        twin: |_, i| numbers(shade_ambient(v3(i, 0), &surface(&i[3..])).to_array()),
+        bound: 4,
+        reason: "two products in either order",
+    },
+];
+
+macro_rules! files {
+    ($($file:ident),* $(,)?) => {
+        /// The files that have a test of their own below.
+        const TESTED_FILES: &[&str] = &[$(stringify!($file)),*];
+
+        /// One test a file.
+        mod every_function_of {
+            $(
+                #[test]
+                fn $file() {
+                    super::check_file(stringify!($file));
+                }
+            )*
+        }
+    };
+}
+
+files!(vector, light, triangle, bias, filter, visibility, approx, srgb, material, shade);
+
+fn check_file(file: &str) {
+    let mut problems = Vec::new();
+    for mirror in TABLE.iter().filter(|mirror| mirror.file == file) {
+        let (inputs, expected) = mirror.in_rust();
+        let actual = mirror.on_the_gpu(&inputs);
+        let rules = gpu().adapter().rules;
+        match mirror.judge(rules, &inputs, &expected, &actual) {
+            Ok(()) => println!("{}: {} numbers agree", mirror.functions[0], actual.len()),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+#[test]
+fn every_mirrored_function_is_tested() {
+    for file in MIRRORS {
+        for function in file.source.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next()) {
+            let tested = TABLE.iter().any(|mirror| mirror.file == file.stem && mirror.functions.contains(&function));
+            assert!(tested, "{}.wgsl: nothing compares `{function}` with its Rust twin", file.stem);
+        }
+        let has_functions = file.source.lines().any(|line| line.starts_with("fn "));
+        assert_eq!(
+            TESTED_FILES.contains(&file.stem),
+            has_functions,
+            "{}.wgsl: the list of tested files is not up to date",
+            file.stem
+        );
+    }
+    for mirror in TABLE {
+        let file =
+            MIRRORS.iter().find(|file| file.stem == mirror.file).unwrap_or_else(|| panic!("there is no {}.wgsl", mirror.file));
+        for function in mirror.functions {
+            assert!(file.source.contains(&format!("fn {function}(")), "{}.wgsl has no function `{function}`", mirror.file);
+        }
+        assert!(!mirror.reason.is_empty(), "the bound of {} has no reason", mirror.functions[0]);
+    }
+}
+
+/// Inputs that all give the same answer would not tell a function from a constant.
+#[test]
+fn the_inputs_reach_different_answers() {
+    for mirror in TABLE {
+        let (inputs, expected) = mirror.in_rust();
+        assert!(inputs.len() / mirror.inputs_each >= COUNT, "{} meets few inputs", mirror.functions[0]);
+        let outputs_each = expected.len() / (inputs.len() / mirror.inputs_each);
+        for output in 0..outputs_each {
+            let first = expected[output].value.to_bits();
+            let others =
+                expected.iter().skip(output).step_by(outputs_each).filter(|number| number.value.to_bits() != first).count();
+            assert!(others * 50 >= COUNT, "{}: output {output} is nearly always {}", mirror.functions[0], f32::from_bits(first));
+        }
+        let undecided = expected.iter().filter(|number| !number.scale.is_finite()).count();
+        assert!(undecided * 2 < expected.len(), "{}: most of the answers are left to the driver", mirror.functions[0]);
+    }
+}
+
+/// Every way through a lookup is taken often, for every kind of light.
+#[test]
+fn receivers_take_every_way() {
+    let world = World::get();
+    for index in 0..world.globals.lights.len() {
+        let (mut turned_away, mut outside, mut compared, mut lit, mut shadowed) = (0, 0, 0, 0, 0);
+        let of_light = world.receivers.iter().filter(|group| group[0] == index as f32);
+        for group in of_light {
+            let (light, receiver) = receiver(world, group);
+            let found = lookup(light, &world.globals.views, &receiver);
+            let value = visibility(light, &world.globals.views, &world.map(), &receiver);
+            match (found.view == NO_VIEW, found.known) {
+                (true, 0.0) => turned_away += 1,
+                (true, _) => outside += 1,
+                _ => compared += 1,
+            }
+            lit += usize::from(found.view != NO_VIEW && value == 1.0);
+            shadowed += usize::from(found.view != NO_VIEW && value == 0.0);
+        }
+        let plan = &world.globals.lights[index];
+        // Nothing lies outside of a cube.
+        let outside_wanted = plan.split == SPLIT_SINGLE;
+        for (what, count, wanted) in [
+            ("turned away", turned_away, true),
+            ("outside", outside, outside_wanted),
+            ("compared", compared, true),
+            ("lit", lit, true),
+            ("shadowed", shadowed, true),
+        ] {
+            assert!(!wanted || count >= 5, "light {index}: only {count} receivers are {what}");
+        }
+    }
+}
+
+/// The comparison must see a function that is not the twin, on a driver of either kind.
+#[test]
+fn a_function_that_is_not_the_twin_is_seen() {
+    let scaled_input = "output3(0u, cross3(input3(0u), input3(3u)) * input(6u));";
+    let altered = [
+        ("dot3", "let a = input3(0u); let b = input3(3u); output(0u, a.x * b.x + a.y * b.y - a.z * b.z);"),
+        ("cross3", "output3(0u, cross3(input3(3u), input3(0u)));"),
+        ("row_times_point", "output(0u, row_times_point(vec4f(input3(0u), input(6u)), input3(4u)));"),
+        ("cube_face_of", "output(0u, f32(cube_face_of(-input3(0u))));"),
+        ("depth_test", "output(0u, depth_test(u32(input(0u)), i32(input(2u)), i32(input(1u)), input(3u), input(4u)));"),
+        ("approx_log2", "output(0u, log2(input(0u)) + input(0u));"),
+        ("wrap_texel", "output(0u, f32(wrap_texel(i32(input(0u)) + 1, i32(input(1u)), u32(input(2u)))));"),
+        (
+            "visibility",
+            "var receiver = Receiver(input3(1u), input3(4u)); receiver.normal = -receiver.normal;
+            output(0u, visibility(u32(input(0u)), receiver));",
+        ),
+    ];
+    for (function, statements) in altered {
+        let mirror = Mirror { statements, ..*mirror_of(function) };
+        let (inputs, expected) = mirror.in_rust();
+        let actual = mirror.on_the_gpu(&inputs);
+        for rules in [DriverRules::Lavapipe22, DriverRules::Unknown] {
+            let verdict = mirror.judge(rules, &inputs, &expected, &actual);
+            assert!(verdict.is_err(), "{function}: an altered function passes as its twin under {rules:?}");
+        }
+    }
+    // One unit in the last place, which comes as an input since a constant would not survive the compiler.
+    let mirror = Mirror { statements: scaled_input, inputs_each: 7, ..*mirror_of("cross3") };
+    let pairs = pairs_of_vectors(&mut Random::new("a unit in the last place"));
+    for (factor, differs) in [(1.0, false), (1.000_000_1, true)] {
+        let inputs: Vec<f32> = pairs.chunks_exact(6).flat_map(|pair| pair.iter().copied().chain([factor])).collect();
+        let expected: Vec<_> = inputs.chunks_exact(7).flat_map(|group| (mirror.twin)(World::get(), group)).collect();
+        let actual = mirror.on_the_gpu(&inputs);
+        let verdict = mirror.judge(DriverRules::Lavapipe22, &inputs, &expected, &actual);
+        if gpu().adapter().rules == DriverRules::Lavapipe22 {
+            assert_eq!(verdict.is_err(), differs, "a factor of {factor}: {verdict:?}");
+        }
+    }
+}
+
+/// The judgement itself, on numbers that no driver takes part in.
+#[test]
+fn the_judgement_tells_right_from_wrong() {
+    let mirror = mirror_of("dot3");
+    let inputs = [1.0; 6];
+    let expected = [Number { value: 3.0, scale: 3.0 }];
+    let judge = |rules, actual: f32| mirror.judge(rules, &inputs, &expected, &[actual]).is_ok();
+    let (known, unknown) = (DriverRules::Lavapipe22, DriverRules::Unknown);
+    assert!(judge(known, 3.0) && judge(unknown, 3.0));
+    assert!(!judge(known, 3.0_f32.next_up()) && judge(unknown, 3.0_f32.next_up()));
+    let six_units = (0..6).fold(3.0_f32, |x, _| x.next_up());
+    assert!(judge(unknown, six_units) && !judge(unknown, six_units.next_up()));
+    for wrong in [-3.0, 0.0, f32::NAN, f32::INFINITY] {
+        assert!(!judge(known, wrong) && !judge(unknown, wrong), "{wrong} passes for 3");
+    }
+    assert!(mirror.judge(known, &inputs, &expected, &[]).is_err(), "no numbers at all pass");
+    assert!(mirror.judge(known, &[], &[], &[]).is_err(), "no inputs at all pass");
+    // What WGSL does not promise is compared only where it is known.
+    let infinite = [f32::INFINITY; 6];
+    assert!(
+        mirror.judge(unknown, &infinite, &expected, &[7.0]).is_ok() && mirror.judge(known, &infinite, &expected, &[7.0]).is_err()
+    );
+}
+
+fn mirror_of(function: &str) -> &'static Mirror {
+    TABLE.iter().find(|mirror| mirror.functions[0] == function).unwrap_or_else(|| panic!("the table has no {function}"))
+}
+
+impl Mirror {
+    /// The inputs, and what Rust makes of them.
+    fn in_rust(&self) -> (Vec<f32>, Vec<Number>) {
+        let world = World::get();
+        let inputs = (self.inputs)(world, &mut Random::new(self.functions[0]));
+        assert_eq!(inputs.len() % self.inputs_each, 0, "{}: the groups of inputs are of another size", self.functions[0]);
+        let expected = inputs.chunks_exact(self.inputs_each).flat_map(|group| (self.twin)(world, group)).collect();
+        (inputs, expected)
+    }
+
+    fn on_the_gpu(&self, inputs: &[f32]) -> Vec<f32> {
+        let world = World::get();
+        let outputs_each = (self.twin)(world, &inputs[..self.inputs_each]).len();
+        evaluate(gpu(), &world.globals, self.statements, inputs, self.inputs_each, outputs_each)
+    }
+
+    /// Whether the numbers agree as far as the driver's rules demand; else which do not.
+    fn judge(&self, rules: DriverRules, inputs: &[f32], expected: &[Number], actual: &[f32]) -> Result<(), String> {
+        let groups = inputs.len() / self.inputs_each;
+        if groups == 0 || expected.len() != actual.len() || expected.is_empty() {
+            return Err(format!("{}: {} numbers against {}", self.functions[0], expected.len(), actual.len()));
+        }
+        let outputs_each = expected.len() / groups;
+        let (mut wrong, mut worst, mut first) = (0, 0, None);
+        for (index, (number, &actual)) in expected.iter().zip(actual).enumerate() {
+            let group = &inputs[index / outputs_each * self.inputs_each..][..self.inputs_each];
+            let agree = match rules {
+                DriverRules::Lavapipe22 => ulps(number.value, actual) == 0,
+                DriverRules::Unknown => {
+                    // WGSL lets a driver assume that there are neither infinities nor NaN, and flush subnormal numbers.
+                    let promised = group.iter().all(|x| x.is_normal() || *x == 0.0) && number.value.is_finite();
+                    let allowed = self.bound as f32 * unit_of(number.scale);
+                    !promised || !number.scale.is_finite() || (number.value - actual).abs() <= allowed
+                }
+            };
+            if !agree {
+                wrong += 1;
+                worst = worst.max(ulps(number.value, actual));
+                first.get_or_insert_with(|| {
+                    let output = index % outputs_each;
+                    format!(
+                        "output {output} of {group:?} is {actual:?} and should be {:?}, scale {:?}",
+                        number.value, number.scale
+                    )
+                });
+            }
+        }
+        match first {
+            None => Ok(()),
+            Some(first) => Err(format!(
+                "{}: {wrong} of {} numbers differ, by up to {worst} units in the last place; {first} (unknown drivers may be off by {} for {})",
+                self.functions[0],
+                expected.len(),
+                self.bound,
+                self.reason
+            )),
+        }
+    }
+}
+
+/// The unit in the last place of a number, not below that of the smallest normal one.
+fn unit_of(x: f32) -> f32 {
+    let x = x.abs().clamp(f32::MIN_POSITIVE, f32::MAX.next_down());
+    x.next_up() - x
+}
+
+/// What the functions read: real plans, a map and textures.
+struct World {
+    globals: Globals,
+    /// Light, point and normal of many receivers.
+    receivers: Vec<[f32; 7]>,
+}
+
+/// The light that shines straight down: its view's axes are those of the world, so planes can be seen exactly edge-on.
+const NOON: f32 = 0.0;
+
+impl World {
+    fn get() -> &'static Self {
+        static WORLD: OnceLock<World> = OnceLock::new();
+        WORLD.get_or_init(|| {
+            let mut random = Random::new("the world");
+            let (lights, views) = plans();
+            let depths = depths(views.len() as u32, &mut random);
+            let (materials, words) = materials(&mut random);
+            let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
+            let mut world = Self { globals, receivers: Vec::new() };
+            world.receivers = (0..2 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
+            world.plant_ties();
+            world
+        })
+    }
+
+    fn light(&self, index: f32) -> &LightPlan {
+        &self.globals.lights[index as usize]
+    }
+
+    fn view(&self, index: f32) -> &ViewPlan {
+        &self.globals.views[index as usize]
+    }
+
+    fn map(&self) -> Map<'_> {
+        Map { depths: &self.globals.depths }
+    }
+
+    /// A receiver in or near the scene, mostly one that faces its light.
+    fn new_receiver(&self, index: usize, random: &mut Random) -> [f32; 7] {
+        let lights = self.globals.lights.len();
+        let light = (index % lights) as f32;
+        let plan = &self.globals.lights[index % lights];
+        let apex = Vec3::from(plan.position);
+        let reach = if random.below(4) == 0 { 9.0 } else { 6.0 };
+        let mut point = random.vector(reach);
+        if plan.split == SPLIT_SINGLE && plan.axis != [0.0; 3] && random.below(4) > 0 {
+            // In the cone, where a map can be asked.
+            let distance = random.within(0.5, 12.0);
+            point = apex + (Vec3::from(plan.axis) + random.vector(self.reach(plan))) * distance;
+        }
+        if index < lights {
+            point = apex;
+        }
+        let mut normal = random.vector(1.0);
+        let toward = toward_light(plan, point);
+        if normal.dot(toward) < 0.0 && random.below(8) > 0 {
+            normal = -normal;
+        }
+        if random.below(64) == 0 {
+            normal = [Vec3::ZERO, toward.cross(normal), Vec3::X, Vec3::Y][random.below(4) as usize];
+        }
+        [light, point.x, point.y, point.z, normal.x, normal.y, normal.z]
+    }
+
+    /// A little more than half the width of a light's first view at a distance of 1 m.
+    fn reach(&self, light: &LightPlan) -> f32 {
+        let view = &self.globals.views[light.first_view as usize];
+        if view.w_per_metre > 0.0 { 0.65 * view.texel_metres[0] * MAP_SIZE as f32 } else { 1.0 }
+    }
+
+    /// Gives every fourth receiver's texel the depth that the receiver is just lit by, or the next one below, by which it is not.
+    fn plant_ties(&mut self) {
+        for (index, group) in self.receivers.iter().enumerate().step_by(4) {
+            let light = &self.globals.lights[group[0] as usize];
+            let receiver = Receiver { point: v3(group, 1), normal: v3(group, 4) };
+            let found = lookup(light, &self.globals.views, &receiver);
+            if found.view != NO_VIEW {
+                let texel = found.texel.floor();
+                let stored = found.depth - found.bias;
+                let texel =
+                    (self.globals.views[found.view as usize].layer * MAP_SIZE + texel.y as u32) * MAP_SIZE + texel.x as u32;
+                self.globals.depths[texel as usize] = if index % 8 == 0 { stored } else { stored.next_down() };
+            }
+        }
+    }
+
+    /// A light, and a point in or near the scene; now and then the light's own position.
+    fn light_and_point(&self, random: &mut Random) -> [f32; 4] {
+        let light = random.below(self.globals.lights.len() as u32);
+        let plan = &self.globals.lights[light as usize];
+        let mut point = random.vector(8.0);
+        match random.below(16) {
+            0 => point = Vec3::from(plan.position),
+            1..8 => {
+                let direction = Vec3::from(plan.axis) + random.vector(self.reach(plan));
+                point = Vec3::from(plan.position) + direction * random.within(0.01, 12.0);
+            }
+            _ => {}
+        }
+        [light as f32, point.x, point.y, point.z]
+    }
+
+    /// A light, a surface and a visibility.
+    fn light_and_surface(&self, random: &mut Random) -> [f32; 15] {
+        let [light, x, y, z] = self.light_and_point(random);
+        let toward = toward_light(self.light(light), Vec3::new(x, y, z)).normalize_or(Vec3::X);
+        let normal = random.vector(1.0).normalize_or(Vec3::Y);
+        // Half of the viewers look from where the highlight is.
+        let mirrored = 2.0 * normal.dot(toward) * normal - toward;
+        let viewer = if random.below(2) == 0 { random.vector(1.0) } else { mirrored + random.vector(0.1) }.normalize_or(Vec3::Z);
+        let viewer = if random.below(64) == 0 { -toward } else { viewer };
+        let shininess = [1.0, 2048.0, random.within(1.0, 2048.0), random.within(1.0, 40.0)][random.below(4) as usize];
+        let visibility = [0.0, 1.0, random.unit(), 0.75][random.below(4) as usize];
+        let base = [random.unit(), random.unit(), random.unit()];
+        [
+            light, x, y, z, normal.x, normal.y, normal.z, viewer.x, viewer.y, viewer.z, base[0], base[1], base[2], shininess,
+            visibility,
+        ]
+    }
+
+    /// A view, and a place in its layer: anywhere, on a border or a centre of a texel, or beyond the rectangle.
+    fn view_and_texel(&self, random: &mut Random) -> [f32; 3] {
+        let view = random.below(self.globals.views.len() as u32);
+        let coordinate = |random: &mut Random| match random.below(4) {
+            0 => random.below(MAP_SIZE + 5) as f32 - 2.0,
+            1 => random.below(MAP_SIZE + 5) as f32 - 1.5,
+            _ => random.within(-2.0, MAP_SIZE as f32 + 2.0),
+        };
+        [view as f32, coordinate(random), coordinate(random)]
+    }
+
+    /// A depth to be compared with a texel: often just the one that is still lit, or the next one beyond.
+    fn depth_near(&self, random: &mut Random, view: f32, x: f32, y: f32, bias: f32) -> f32 {
+        let inside = |x: f32| x >= 0.0 && x < MAP_SIZE as f32;
+        if !inside(x) || !inside(y) {
+            return random.unit();
+        }
+        let lit = self.map().fetch_texel(self.view(view).layer, x as u32, y as u32) + bias;
+        match random.below(4) {
+            0 => lit,
+            1 => lit.next_up(),
+            _ => random.unit(),
+        }
+    }
+
+    /// Infinite where a test around a texel ties, as rounding may decide it; else 1. `lost` is the rounding of the depth and bias.
+    fn scale_of_tests(&self, view: f32, filter: u32, texel: Vec2, depth: f32, bias: f32, lost: f32) -> f32 {
+        let view = self.view(view);
+        let inside = |x: i32| (0..MAP_SIZE as i32).contains(&x);
+        let (taps, count) = weighted_taps(filter, texel);
+        let tie = taps[..count].iter().any(|tap| {
+            inside(tap.x)
+                && inside(tap.y)
+                && (depth - bias - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)).abs() < TIE + lost
+        });
+        if tie { f32::INFINITY } else { 1.0 }
+    }
+
+    /// The sizes of the terms of a lookup's texel x and y, depth and bias; infinite where it is near to choosing another answer.
+    fn scale_of_lookup(&self, light: &LightPlan, receiver: &Receiver) -> [f32; 4] {
+        let toward = toward_light(light, receiver.point);
+        let magnitude = receiver.normal.abs().dot(Vec3::from(light.position).abs() + receiver.point.abs());
+        let mut near = is_tie(receiver.normal.dot(toward), magnitude);
+        let found = lookup(light, &self.globals.views, receiver);
+        let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
+        let view = &self.globals.views[index as usize];
+        let w = row_times_point(view.clip_w, receiver.point);
+        near |= is_tie(w, magnitude_of_row(view.clip_w, receiver.point)) || !(w > 0.0) && !(w < 0.0);
+        let quotient = |row: [f32; 4]| {
+            let value = row_times_point(row, receiver.point) / w;
+            let terms = magnitude_of_row(row, receiver.point) + value.abs() * magnitude_of_row(view.clip_w, receiver.point);
+            (value, terms / w.abs())
+        };
+        let [x, y, z] = [view.clip_x, view.clip_y, view.clip_z].map(quotient);
+        let scales =
+            [x.1 * view.texel_scale[0].abs() + view.texel_offset[0], y.1 * view.texel_scale[1].abs() + view.texel_offset[1]];
+        let texel = [x.0 * view.texel_scale[0] + view.texel_offset[0], y.0 * view.texel_scale[1] + view.texel_offset[1]];
+        for axis in 0..2 {
+            let first = view.rect[axis] as f32;
+            let last = first + view.rect[axis + 2] as f32;
+            near |= is_tie(texel[axis] - first, scales[axis]) || is_tie(texel[axis] - last, scales[axis]);
+        }
+        near |= is_tie(z.0, z.1);
+        if near {
+            return [f32::INFINITY; 4];
+        }
+        let bias = if found.view == NO_VIEW { 0.0 } else { magnitude_of_bias(light, view, receiver.point, receiver.normal, w) };
+        [scales[0], scales[1], z.1, bias]
+    }
+
+    /// A textured material, and coordinates in and around its texture, often on the border or the centre of a texel.
+    fn texture_coordinates(&self, random: &mut Random) -> [f32; 3] {
+        let material = random.below(self.globals.materials.len() as u32 - 1);
+        let texture = self.globals.materials[material as usize].texture;
+        let coordinate = |random: &mut Random, size: u32| match random.below(8) {
+            0 | 1 => (random.below(8 * size) as f32 - 3.0 * size as f32) / (2.0 * size as f32),
+            2 => random.within(-1e4, 1e4),
+            3 => random.within(-1e9, 1e9),
+            _ => random.within(-2.0, 3.0),
+        };
+        [material as f32, coordinate(random, texture.width), coordinate(random, texture.height)]
+    }
+
+    /// Every textured material at coordinates that are huge or not finite, for which the function promises some texel.
+    fn edges_of_textures(&self) -> Vec<[f32; 3]> {
+        let coordinates = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, 0.0, 1.0, -0.0];
+        (0..self.globals.materials.len() - 1)
+            .flat_map(|material| {
+                coordinates.map(|u| [material as f32, u, 0.3]).into_iter().chain(coordinates.map(|v| [material as f32, 0.3, v]))
+            })
+            .collect()
+    }
+}
+
+/// The maps of the world.
+struct Map<'a> {
+    depths: &'a [f32],
+}
+
+impl MapAccess for Map<'_> {
+    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
+        self.depths[((layer * MAP_SIZE + y) * MAP_SIZE + x) as usize]
+    }
+}
+
+/// Every kind of light under every bias and filter, planned for a scene of 10 m.
+fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
+    let position = Vec3::new(1.0, 7.0, 2.0);
+    let direction = Vec3::new(0.2, -1.0, -0.3);
+    let kinds = [
+        (LightKind::Directional { direction: Vec3::NEG_Y }, Split::Single),
+        (LightKind::Directional { direction: Vec3::new(0.5, -0.8, 0.3) }, Split::Single),
+        (LightKind::Spot { position, direction, inner: 0.3, outer: 0.6, range: Some(12.0) }, Split::Single),
+        // The falloff's steepest step.
+        (LightKind::Spot { position, direction, inner: 0.0, outer: 0.02, range: None }, Split::Single),
+        (LightKind::Spot { position, direction, inner: 1.0, outer: 1.5, range: None }, Split::Single),
+        (LightKind::Point { position: Vec3::new(0.5, 1.0, -0.25), range: None }, Split::Single),
+        (LightKind::Point { position: Vec3::new(-2.0, 3.0, 1.0), range: Some(6.0) }, Split::Cube),
+    ];
+    let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
+    let (mut lights, mut views) = (Vec::new(), Vec::new());
+    for bias in [Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
+        for filter in [Filter::Hard, Filter::Bilinear] {
+            for (kind, split) in kinds {
+                let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
+                let settings = ShadowSettings { split, bias, filter, map_size: MAP_SIZE, ..ShadowSettings::default() };
+                let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+                let plan = plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent)
+                    .expect("the light can be planned");
+                views.extend_from_slice(&lent[..plan.view_count as usize]);
+                lights.push(plan);
+            }
+        }
+    }
+    // A part of the layer, as an atlas has it.
+    for view in views.iter_mut().step_by(3) {
+        view.rect = [2, 1, MAP_SIZE - 5, MAP_SIZE - 3];
+    }
+    (lights, views)
+}
+
+/// Maps of large blocks with single texels that differ, so that all, some or none of neighbouring tests pass; a good part was
+/// never drawn to.
+fn depths(layers: u32, random: &mut Random) -> Vec<f32> {
+    const BLOCK: u32 = 8;
+    const BLOCKS: u32 = MAP_SIZE / BLOCK;
+    // Perspective depths crowd near 1.
+    let new_depth =
+        |random: &mut Random| if random.below(3) == 0 { 1.0 } else { 1.0 - random.unit() * random.unit() * random.unit() };
+    let blocks: Vec<f32> = (0..layers * BLOCKS * BLOCKS).map(|_| new_depth(random)).collect();
+    (0..layers * MAP_SIZE * MAP_SIZE)
+        .map(|index| {
+            let (x, row) = (index % MAP_SIZE, index / MAP_SIZE);
+            if random.below(6) == 0 { new_depth(random) } else { blocks[(row / BLOCK * BLOCKS + x / BLOCK) as usize] }
+        })
+        .collect()
+}
+
+/// Textures of several sizes under every pair of wrap modes, and at last a material without one.
+fn materials(random: &mut Random) -> (Vec<MaterialData>, Vec<u32>) {
+    let mut words: Vec<u32> = decode_table().map(f32::to_bits).to_vec();
+    assert_eq!(words.len(), DECODE_TABLE_LEN as usize, "the table is as long as it says");
+    let mut materials = Vec::new();
+    for (width, height) in [(1, 1), (2, 2), (5, 3), (16, 8)] {
+        let first_word = words.len() as u32;
+        words.extend((0..width * height).map(|_| random.bits()));
+        for wrap_u in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+            for wrap_v in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+                materials.push(MaterialData {
+                    base_color: [random.unit(), random.unit(), random.unit(), 1.0],
+                    alpha_cutoff: 0.5,
+                    flags: FLAG_MASK,
+                    shininess: 10.0,
+                    texture: TextureData { first_word, width, height, wrap_u, wrap_v },
+                });
+            }
+        }
+    }
+    materials.push(MaterialData { texture: TextureData::NONE, ..materials[0] });
+    (materials, words)
+}
+
+fn v3(numbers: &[f32], first: usize) -> Vec3 {
+    Vec3::from_slice(&numbers[first..])
+}
+
+/// The light and the receiver of a group of inputs.
+fn receiver<'a>(world: &'a World, group: &[f32]) -> (&'a LightPlan, Receiver) {
+    (world.light(group[0]), Receiver { point: v3(group, 1), normal: v3(group, 4) })
+}
+
+/// The surface that 13 inputs describe.
+fn surface(i: &[f32]) -> Surface {
+    Surface { point: v3(i, 0), normal: v3(i, 3), toward_viewer: v3(i, 6), base_color: v3(i, 9), shininess: i[12] }
+}
+
+/// Numbers that are as large as their terms.
+fn numbers<const N: usize>(values: [f32; N]) -> Vec<Number> {
+    values.map(Number::from).to_vec()
+}
+
+/// A vector, and the sizes of the terms of its components.
+fn scaled(values: Vec3, scales: Vec3) -> Vec<Number> {
+    values.to_array().into_iter().zip(scales.to_array()).map(|(value, scale)| Number { value, scale }).collect()
+}
+
+/// A sum of products, and the size of the products.
+fn sum(value: f32, products: &[Vec3]) -> Number {
+    Number { value, scale: products.iter().map(|product| product.abs().element_sum()).sum() }
+}
+
+/// Depths that are nearer than this may compare either way: the contract's tolerance.
+const TIE: f32 = 1.0 / 1_048_576.0;
+
+/// Whether a sum of terms of this size is so near to 0 that its sign may be the rounding's.
+fn is_tie(value: f32, magnitude: f32) -> bool {
+    // Some sixteen roundings.
+    value.abs() <= 16.0 * unit_of(magnitude)
+}
+
+fn magnitude_of_cross(a: Vec3, b: Vec3) -> Vec3 {
+    let (a, b) = (a.abs(), b.abs());
+    Vec3::new(a.y * b.z + b.y * a.z, a.z * b.x + b.z * a.x, a.x * b.y + b.x * a.y)
+}
+
+fn magnitude_of_row(row: [f32; 4], point: Vec3) -> f32 {
+    (v3(&row, 0) * point).abs().element_sum() + row[3].abs()
+}
+
+fn magnitude_of_gradient(view: &ViewPlan, point: Vec3, normal: Vec3) -> Vec2 {
+    let gradient = depth_gradient(view, point, normal);
+    let terms = |column: [f32; 4]| normal.abs().dot(v3(&column, 0).abs() + point.abs() * column[3].abs());
+    let column = view.world_from_depth;
+    let divisor = normal.dot(v3(&column, 0) - point * column[3]).abs();
+    let along = |column, gradient: f32| (terms(column) + gradient.abs() * terms(view.world_from_depth)) / divisor;
+    if is_tie(divisor, terms(view.world_from_depth)) {
+        return Vec2::INFINITY;
+    }
+    Vec2::new(along(view.world_from_texel_x, gradient.x), along(view.world_from_texel_y, gradient.y))
+}
+
+fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+    let w_before = w - view.w_per_metre * light.bias_metres;
+    // Without a length there is nothing to lose, however near the light is.
+    let reach = if light.bias_metres == 0.0 {
+        0.0
+    } else {
+        view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
+    };
+    let mut magnitude = depth_bias(light, view, point, normal, w) + reach;
+    if light.bias == BIAS_SLOPE {
+        let gradient = magnitude_of_gradient(view, point, normal);
+        let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
+        magnitude += (gradient.x + gradient.y) * texels;
+    }
+    magnitude
+}
+
+fn magnitude_of_attenuation(light: &LightPlan, toward: Vec3) -> f32 {
+    let ratio = toward.length() * light.inverse_range;
+    (1.0 + ratio.powi(4)) * (1.0 + light.cone_scale.abs()) / toward.length_squared().max(1e-30)
+}
+
+/// How far the rounding of a texture coordinate may move the lookup, as a number of which it is a unit in the last place.
+fn texel_distance(texture: &TextureData, u: f32, v: f32) -> f32 {
+    1.0 + (u * texture.width as f32).abs() + (v * texture.height as f32).abs()
+}
+
+fn pairs_of_vectors(random: &mut Random) -> Vec<f32> {
+    let edges = [
+        [0.0; 6],
+        [1.0, 2.0, 3.0, 1.0, 2.0, 3.0],
+        [1.0, 2.0, 3.0, -1.0, -2.0, -3.0],
+        [1e15, 0.0, 0.0, 0.0, 1e15, 1e-15],
+        // Cancels but for the rounding of the products.
+        [1.1, 1.3, 0.0, 1.3, -1.1, 0.0],
+    ];
+    random.groups(&edges, |random| random.numbers(10.0))
+}
+
+/// A triangle and a ray that, but for every eighth, is aimed at a point of it or just beside.
+fn rays_and_triangles(random: &mut Random) -> [f32; 15] {
+    let origin = random.vector(20.0);
+    let v0 = random.vector(10.0);
+    // Down to triangles of a millimetre.
+    let size = [10.0, 1.0, 1e-3][random.below(3) as usize];
+    let (v1, v2) = (v0 + random.vector(size), v0 + random.vector(size));
+    let target = v0 + (v1 - v0) * random.within(-0.1, 1.1) + (v2 - v0) * random.within(-0.1, 0.6);
+    let direction = if random.below(8) == 0 { random.vector(1.0) } else { target - origin };
+    let mut group = [0.0; 15];
+    for (index, vector) in [origin, direction, v0, v1, v2].into_iter().enumerate() {
+        vector.write_to_slice(&mut group[3 * index..]);
+    }
+    group
+}
+
+/// Triangles without area, seen edge-on, and rays without a direction.
+fn degenerate_triangles() -> Vec<[f32; 15]> {
+    let (o, x, y, z) = (Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z);
+    let cases = [
+        [z, -z, x, x, x],
+        [z, -z, o, z, x],
+        [z, -z, o, x, 2.0 * x],
+        [z, o, o, x, y],
+        [5.0 * x + z, -z, o, x, y],
+        [z, z, o, x, y],
+    ];
+    cases
+        .map(|case| {
+            let mut group = [0.0; 15];
+            for (index, vector) in case.into_iter().enumerate() {
+                vector.write_to_slice(&mut group[3 * index..]);
+            }
+            group
+        })
+        .to_vec()
+}
+
+/// Numbers that are the same in every run: splitmix64, seeded by a name.
+struct Random(u64);
+
+impl Random {
+    fn new(name: &str) -> Self {
+        // FNV-1a.
+        Self(name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)))
+    }
+
+    fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ x >> 31) >> 32) as u32
+    }
+
+    /// An integer from 0 to below `end`.
+    fn below(&mut self, end: u32) -> u32 {
+        (u64::from(self.bits()) * u64::from(end) >> 32) as u32
+    }
+
+    /// A number from 0 to below 1.
+    fn unit(&mut self) -> f32 {
+        (self.bits() >> 8) as f32 / 16_777_216.0
+    }
+
+    fn within(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::from(self.numbers(size))
+    }
+
+    fn numbers<const N: usize>(&mut self, size: f32) -> [f32; N] {
+        std::array::from_fn(|_| self.within(-size, size))
+    }
+
+    /// A positive normal number of any size.
+    fn positive(&mut self) -> f32 {
+        f32::from_bits(0x0080_0000 + self.below(0x7f00_0000))
+    }
+
+    /// A bias as plans have it: often none, sometimes so large that all is lit.
+    fn bias(&mut self) -> f32 {
+        [0.0, self.unit() * 0.01, 1.0, self.unit()][self.below(4) as usize]
+    }
+
+    /// The edge cases and then random groups, [`COUNT`] in all.
+    fn groups<const N: usize>(&mut self, edges: &[[f32; N]], mut group: impl FnMut(&mut Self) -> [f32; N]) -> Vec<f32> {
+        let mut inputs = edges.concat();
+        while inputs.len() < N * COUNT {
+            inputs.extend(group(self));
+        }
+        inputs
+    }
+}

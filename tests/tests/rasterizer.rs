@@ -1,0 +1,121 @@
+//! The rasteriser alone: coverage without gaps or overlaps, whatever the triangles and the rules.
+
+use glam::Vec3;
+use proptest::prelude::*;
+use shadow_cpu::raster::{ClipRule, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Target, rasterize_depth};
+
+/// A target whose clip space is the world's x, y, z with w = 1.
+fn flat(width: u32, height: u32) -> Target {
+    let row = |i: usize| core::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+    Target { clip_rows: core::array::from_fn(row), width, height }
+}
+
+fn covered(positions: &[Vec3], triangles: &[[u32; 3]], target: &Target, rules: &RasterRules) -> Vec<f32> {
+    let run = Run { triangles: 0..triangles.len() as u32, culls_back_faces: false, is_masked: false };
+    let mut depth = vec![0.0; (target.width * target.height) as usize];
+    rasterize_depth(&Positions::new(positions), triangles, &[run], target, rules, &NoAlphaTest, &mut depth);
+    depth
+}
+
+fn rules() -> impl Strategy<Value = RasterRules> {
+    let clip = prop::sample::select(vec![ClipRule::Viewport, ClipRule::GuardBand]);
+    let plane = prop::sample::select(vec![DepthPlaneRule::Unsnapped, DepthPlaneRule::Snapped]);
+    (4..=8_u32, plane, clip, any::<bool>()).prop_map(|(subpixel_bits, depth_plane, clip, fused)| RasterRules {
+        subpixel_bits,
+        depth_plane,
+        clip,
+        fused,
+    })
+}
+
+proptest! {
+    /// A fan of triangles that share a vertex covers every pixel of the square around it exactly once: the top-left rule.
+    #[test]
+    fn shared_edges_are_covered_once(
+        center in prop::array::uniform2(-0.9..0.9_f32),
+        size in (1..150_u32, 1..150_u32),
+        rules in rules(),
+    ) {
+        let target = flat(size.0, size.1);
+        let z = 0.25;
+        let rim = [(-1.0, -1.0), (0.1, -1.0), (1.0, -1.0), (1.0, 0.3), (1.0, 1.0), (-0.2, 1.0), (-1.0, 1.0), (-1.0, -0.4)];
+        let mut positions = vec![Vec3::new(center[0], center[1], z)];
+        positions.extend(rim.map(|(x, y)| Vec3::new(x, y, z)));
+        let mut times = vec![0; (size.0 * size.1) as usize];
+        for i in 0..8 {
+            let triangle = [0, 1 + i, 1 + (i + 1) % 8];
+            for (times, depth) in times.iter_mut().zip(covered(&positions, &[triangle], &target, &rules)) {
+                *times += i32::from(depth < 1.0);
+            }
+        }
+        prop_assert!(times.iter().all(|&times| times == 1), "{:?}", times.iter().max());
+    }
+
+    /// Clipping changes where a triangle ends, never what it covers inside: a large one covers the pixels that its edges enclose.
+    #[test]
+    fn a_triangle_beyond_the_view_covers_what_its_edges_enclose(
+        corners in prop::array::uniform6(-6.0..6.0_f32),
+        rules in rules(),
+    ) {
+        let target = flat(61, 43);
+        let corner = |i: usize| Vec3::new(corners[2 * i], corners[2 * i + 1], 0.5);
+        let positions = [corner(0), corner(1), corner(2)];
+        let depths = covered(&positions, &[[0, 1, 2]], &target, &rules);
+        for (i, depth) in depths.iter().enumerate() {
+            let center = Vec3::new(
+                ((i % 61) as f32 + 0.5) / 30.5 - 1.0,
+                1.0 - ((i / 61) as f32 + 0.5) / 21.5,
+                0.5,
+            );
+            // Signed distances from the edges, in units of the view's half size.
+            let distances: Vec<f32> = (0..3)
+                .map(|i| {
+                    let edge = positions[(i + 1) % 3] - positions[i];
+                    edge.cross(center - positions[i]).z / edge.length().max(1e-6)
+                })
+                .collect();
+            let (least, most) = distances.iter().fold((f32::MAX, f32::MIN), |(a, b), &d| (a.min(d), b.max(d)));
+            // A step of the coarsest grid, 1/16 pixel of 43, in the same units; clipping moves an edge by as much again.
+            let step = 2.0 * 2.0 / 16.0 / 43.0;
+            if least > step || most < -step {
+                prop_assert!(*depth < 1.0, "pixel {i} is inside by {least} or {most}");
+            } else if least < -step && most > step {
+                prop_assert!(*depth == 1.0, "pixel {i} is outside: {least} to {most}");
+            }
+        }
+    }
+}
+
+/// The depth of a tilted plane is what its equation says at every pixel centre.
+#[test]
+fn depth_is_the_planes() {
+    let target = flat(200, 100);
+    let plane = |x: f32, y: f32| 0.5 + 0.2 * x - 0.15 * y;
+    let corner = |x: f32, y: f32| Vec3::new(x, y, plane(x, y));
+    let positions = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let depths = covered(&positions, &[[0, 1, 2], [0, 2, 3]], &target, &RasterRules::default());
+    for (i, depth) in depths.iter().enumerate() {
+        let (x, y) = (((i % 200) as f32 + 0.5) / 100.0 - 1.0, 1.0 - ((i / 200) as f32 + 0.5) / 50.0);
+        // A dozen roundings of numbers up to 1.
+        assert!((depth - plane(x, y)).abs() < 1e-6, "pixel {i}: {depth} instead of {}", plane(x, y));
+    }
+}
+
+#[test]
+fn what_lies_behind_the_eye_or_is_no_number_covers_nothing() {
+    let target = Target {
+        // w = z: a perspective view along +z.
+        clip_rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0]],
+        width: 32,
+        height: 32,
+    };
+    let behind = [Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, -1.0, -1.0), Vec3::new(0.0, 1.0, -2.0)];
+    let huge = [Vec3::new(3e38, -1.0, 1.0), Vec3::new(1.0, -3e38, 1.0), Vec3::new(0.0, 1.0, 3e38)];
+    for positions in [behind, huge] {
+        let _ = covered(&positions, &[[0, 1, 2]], &target, &RasterRules::default());
+    }
+    assert!(covered(&behind, &[[0, 1, 2]], &target, &RasterRules::default()).iter().all(|&depth| depth == 1.0));
+    let crossing = [Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, -1.0, 3.0), Vec3::new(0.0, 1.0, 3.0)];
+    let depths = covered(&crossing, &[[0, 1, 2]], &target, &RasterRules::default());
+    assert!(depths.iter().any(|&depth| depth < 1.0) && depths.iter().all(|depth| (0.0..=1.0).contains(depth)));
+}

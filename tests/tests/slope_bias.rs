@@ -1,0 +1,270 @@
+//! The slope bias is enough, and no more.
+
+use glam::{DMat4, DVec3, DVec4, Vec2, Vec3, Vec4};
+use proptest::{prelude::*, test_runner::TestRunner};
+use shadow_cpu::resolve::ShadowMaps;
+use shadow_math::{
+    Bias, Camera, Filter, Light, LightKind, Projection, Receiver, ShadowSettings, bounds::Aabb, plan::ViewPlan, visibility,
+    visibility::lookup,
+};
+use shadow_scene::{FramePlan, Material, Mesh, Scene, SceneBuilder, SceneLight, Vertices};
+use shadow_tests::{
+    mirror::{Globals, evaluate},
+    renderers,
+};
+
+/// A lit plane: two triangles, a light, and the plan of its shadow map.
+struct LitPlane {
+    scene: Scene,
+    plan: FramePlan,
+    center: DVec3,
+    normal: DVec3,
+    right: DVec3,
+    up: DVec3,
+    half_size: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Case {
+    normal: DVec3,
+    center: DVec3,
+    half_size: f64,
+    /// From the plane's middle toward the light.
+    toward_light: DVec3,
+    distance: f64,
+    kind: usize,
+    map_size: u32,
+    filter: Filter,
+}
+
+/// The smallest cosine between the plane's normal and the direction to the light for which the bias is promised.
+const MIN_COSINE: f64 = 0.02;
+
+fn unit_vector() -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-1.0..1.0_f64)
+        .prop_map(DVec3::from)
+        .prop_filter("a direction", |v| (0.01..1.0).contains(&v.length_squared()))
+        .prop_map(DVec3::normalize)
+}
+
+fn case(cosines: core::ops::Range<f64>) -> impl Strategy<Value = Case> {
+    let place = (unit_vector(), prop::array::uniform3(-30.0..30.0_f64), 0.3..8.0_f64);
+    let light = (cosines, 0.0..core::f64::consts::TAU, 1.5..4.0_f64, 0..3_usize);
+    let map = (prop::sample::select(vec![32_u32, 61, 256]), prop::sample::select(vec![Filter::Hard, Filter::Bilinear]));
+    (place, light, map).prop_map(|((normal, center, half_size), (cosine, turn, distance, kind), (map_size, filter))| {
+        let tangent = normal.any_orthonormal_vector();
+        let sideways = tangent * turn.cos() + normal.cross(tangent) * turn.sin();
+        let toward_light = normal * cosine + sideways * (1.0 - cosine * cosine).sqrt();
+        Case { normal, center: center.into(), half_size, toward_light, distance: distance * half_size, kind, map_size, filter }
+    })
+}
+
+fn lit_plane(case: &Case, scale: f32) -> LitPlane {
+    let right = case.normal.any_orthonormal_vector();
+    let up = case.normal.cross(right);
+    let corner = |x: f64, y: f64| (case.center + (right * x + up * y) * case.half_size).as_vec3();
+    let mut builder = SceneBuilder::new(DVec3::ZERO);
+    let white = builder.add_material(Material::white());
+    let mesh = Mesh {
+        vertices: Vertices {
+            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+            normals: vec![case.normal.as_vec3(); 4],
+            uvs: vec![Vec2::ZERO; 4],
+            colors: vec![Vec4::ONE; 4],
+        },
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    builder.add_instance("plane", white, mesh).expect("the plane is sound");
+    let scene = builder.build().expect("there is a plane");
+    let position = (case.center + case.toward_light * case.distance).as_vec3();
+    let kind = match case.kind {
+        0 => LightKind::Directional { direction: (-case.toward_light).as_vec3() },
+        1 => LightKind::Spot { position, direction: (-case.toward_light).as_vec3(), inner: 0.1, outer: 0.6, range: None },
+        _ => LightKind::Point { position, range: None },
+    };
+    let light = Light { kind, color: Vec3::ONE, intensity: 100.0 };
+    let scene = scene.with_lights(vec![SceneLight { name: "light".into(), light }]);
+    let settings = ShadowSettings {
+        bias: Bias::Slope { scale, metres: 0.0 },
+        filter: case.filter,
+        map_size: case.map_size,
+        ..ShadowSettings::default()
+    };
+    let projection = Projection::Perspective { vertical_fov: 0.8, near: 0.1, far: None };
+    let camera = Camera::look_at(DVec3::new(100.0, 3.0, 2.0), DVec3::ZERO, projection).expect("the camera looks somewhere");
+    let plan = FramePlan::new(&scene, &camera, &settings, 8, 8, None).expect("the plane can be planned");
+    LitPlane { scene, plan, center: case.center, normal: case.normal, right, up, half_size: case.half_size }
+}
+
+fn cpu_maps(plane: &LitPlane) -> ShadowMaps {
+    let renderer = renderers::cpu();
+    renderer.shadow_maps(&renderer.prepare(&plane.scene), &plane.plan)
+}
+
+/// The matrix from world to texels of a view, from the plan's own rounded rows.
+fn texel_from_world(view: &ViewPlan) -> DMat4 {
+    let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
+    let (x, y, z, w) = (row(view.clip_x), row(view.clip_y), row(view.clip_z), row(view.clip_w));
+    let scale = |ndc: DVec4, axis: usize| ndc * f64::from(view.texel_scale[axis]) + w * f64::from(view.texel_offset[axis]);
+    DMat4::from_cols(scale(x, 0), scale(y, 1), z, w).transpose()
+}
+
+impl LitPlane {
+    /// The receiver of the plane that a view sees at a texel coordinate, if it lies on the plane's triangles and in front of the view.
+    fn receiver_at_texel(&self, world_from_texel: DMat4, x: f64, y: f64) -> Option<Receiver> {
+        let near = world_from_texel.project_point3(DVec3::new(x, y, 0.0));
+        let far = world_from_texel.project_point3(DVec3::new(x, y, 1.0));
+        let share = self.normal.dot(self.center - near) / self.normal.dot(far - near);
+        (0.0..=1.0).contains(&share).then(|| near + (far - near) * share).and_then(|point| self.receiver(point))
+    }
+
+    /// The receiver at a point of the plane, if it lies on its triangles.
+    fn receiver(&self, point: DVec3) -> Option<Receiver> {
+        let offset = point - self.center;
+        let inside = offset.dot(self.right).abs() < self.half_size && offset.dot(self.up).abs() < self.half_size;
+        inside.then(|| Receiver { point: point.as_vec3(), normal: self.normal.as_vec3() })
+    }
+
+    /// Receivers over the whole plane, and in every view around texel corners and texel centres, where the needs are greatest.
+    fn receivers(&self) -> Vec<Receiver> {
+        let mut receivers = Vec::new();
+        for i in 0..600_u32 {
+            // A lattice without periods (Roberts 2018), over the plane.
+            let (a, b) = ((0.754_877_67 * f64::from(i)).fract(), (0.569_840_29 * f64::from(i)).fract());
+            let point = self.center + (self.right * (2.0 * a - 1.0) + self.up * (2.0 * b - 1.0)) * self.half_size;
+            receivers.extend(self.receiver(point));
+        }
+        for view in &self.plan.views {
+            let world_from_texel = texel_from_world(view).inverse();
+            let size = f64::from(view.rect[2]);
+            let enough = receivers.len() + 400;
+            // A plane seen edge-on fills little of its map.
+            for step in 0..20_000_u32 {
+                if receivers.len() >= enough {
+                    break;
+                }
+                let (a, b) = ((0.754_877_67 * f64::from(step)).fract(), (0.569_840_29 * f64::from(step)).fract());
+                let corner = ((a * size).floor(), (b * size).floor());
+                for (dx, dy) in [(0.0, 0.0), (0.003, 0.003), (-0.003, 0.003), (0.003, -0.003), (-0.003, -0.003)] {
+                    for half in [0.0, 0.5] {
+                        receivers.extend(self.receiver_at_texel(world_from_texel, corner.0 + half + dx, corner.1 + half + dy));
+                    }
+                }
+            }
+        }
+        // The light must see the plane at no less than the promised cosine.
+        receivers.retain(|receiver| {
+            let toward = match self.scene.lights()[0].light.kind {
+                LightKind::Directional { direction } => -direction.as_dvec3(),
+                LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
+                    position.as_dvec3() - receiver.point.as_dvec3()
+                }
+            };
+            self.normal.dot(toward.normalize()) >= MIN_COSINE
+        });
+        receivers
+    }
+
+    /// The least visibility of these receivers.
+    fn least(&self, maps: &ShadowMaps, receivers: &[Receiver]) -> f32 {
+        let light = &self.plan.lights[0];
+        receivers.iter().map(|receiver| visibility(light, &self.plan.views, maps, receiver)).fold(1.0, f32::min)
+    }
+}
+
+#[test]
+fn no_lookup_on_a_lit_plane_is_shadowed() {
+    let mut lookups = 0;
+    let mut runner = TestRunner::new(ProptestConfig { cases: 400, ..ProptestConfig::default() });
+    let result = runner.run(&case(MIN_COSINE..1.0), |case| {
+        let plane = lit_plane(&case, 1.0);
+        let receivers = plane.receivers();
+        prop_assert_eq!(plane.least(&cpu_maps(&plane), &receivers), 1.0);
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    // The test is only worth something if it asks a map often.
+    let plane = lit_plane(&sample_case(0, Filter::Bilinear), 1.0);
+    for receiver in plane.receivers() {
+        lookups += usize::from(lookup(&plane.plan.lights[0], &plane.plan.views, &receiver).view == 0);
+    }
+    assert!(lookups > 500, "only {lookups} lookups reached the map");
+}
+
+/// With 0.98 of what the support asks for, and nothing for rounding, some lookup is shadowed.
+#[test]
+fn two_hundredths_less_are_too_little() {
+    let mut runner = TestRunner::new(ProptestConfig { cases: 200, ..ProptestConfig::default() });
+    let result = runner.run(&case(0.1..0.8), |case| {
+        let mut plane = lit_plane(&case, 0.98);
+        for view in &mut plane.plan.views {
+            view.rounding_texels = [0.0; 2];
+            view.rounding_depth = [0.0; 2];
+        }
+        let receivers = plane.receivers();
+        prop_assert!(plane.least(&cpu_maps(&plane), &receivers) < 1.0, "no lookup of {} was shadowed", receivers.len());
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+}
+
+fn sample_case(kind: usize, filter: Filter) -> Case {
+    Case {
+        normal: DVec3::new(0.3, 0.9, -0.2).normalize(),
+        center: DVec3::new(0.2, 0.1, -0.3),
+        half_size: 3.0,
+        toward_light: DVec3::new(0.7, 0.5, 0.4).normalize(),
+        distance: 7.0,
+        kind,
+        map_size: 256,
+        filter,
+    }
+}
+
+/// The same on the GPU: its own map, its own lookup.
+#[test]
+fn the_gpu_needs_the_same_bias() {
+    let gpu = renderers::gpu();
+    for kind in 0..3 {
+        for filter in [Filter::Hard, Filter::Bilinear] {
+            for (scale, is_enough) in [(1.0, true), (0.98, false)] {
+                let plane = lit_plane(&sample_case(kind, filter), scale);
+                let receivers = plane.receivers();
+                let depths: Vec<f32> = pollster::block_on(async {
+                    let scene = gpu.upload(&plane.scene).await.expect("the scene fits");
+                    let maps = gpu.shadow_maps(&scene, &plane.plan).await.expect("the maps fit");
+                    let mut depths = Vec::new();
+                    for layer in 0..plane.plan.views.len() as u32 {
+                        depths.extend(gpu.read_map(&maps, layer).await.expect("the map can be read"));
+                    }
+                    depths
+                });
+                let globals = Globals {
+                    lights: plane.plan.lights.clone(),
+                    views: plane.plan.views.clone(),
+                    map_size: plane.plan.map_size,
+                    depths,
+                    ..Globals::default()
+                };
+                let inputs: Vec<f32> = receivers
+                    .iter()
+                    .flat_map(|receiver| [receiver.point.to_array(), receiver.normal.to_array()].concat())
+                    .collect();
+                let statements = "output(0u, visibility(0u, Receiver(input3(0u), input3(3u))));";
+                let least = evaluate(gpu, &globals, statements, &inputs, 6, 1).into_iter().fold(1.0, f32::min);
+                assert_eq!(least == 1.0, is_enough, "light {kind}, {filter:?}, scale {scale}: {least}");
+            }
+        }
+    }
+}
+
+/// The bound on rounding stays a small part of a texel's slope where scenes usually are, so that it opens no gap of its own.
+#[test]
+fn the_rounding_bound_is_small() {
+    let bounds = Aabb::new(Vec3::splat(-20.0), Vec3::splat(20.0));
+    let view = shadow_math::fit::directional_view(Vec3::new(0.3, -1.0, 0.2), bounds, 2048, 2);
+    let rounding = shadow_math::rounding::RoundingBound::of_view(&view, bounds.abs_max(), 2048);
+    assert!(rounding.texels + rounding.texels_over_w < 0.02, "{rounding:?}");
+    let metres = (rounding.depth + rounding.depth_over_w) / view.depth_scale.factor;
+    assert!(metres < 1e-3, "{metres} m");
+}
