@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use clap::{
     Args as ClapArgs, Parser, Subcommand, ValueEnum,
+    builder::{OsStringValueParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
@@ -124,14 +125,35 @@ Examples:
   shadow plan house.glb --map-size 4096
   shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
 
+/// What `--show` takes, in a line.
+const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
+
+/// What `--show` takes and what its pictures mean. Both texts have brackets that a doc comment would take for links.
+const SHOW_LONG_HELP: &str = "\
+What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
+
+  color                the picture, in sRGB
+  visibility[:LIGHT]   how much of a light reaches each pixel:
+                       black is shadowed, white is lit
+  depth                the distance of each pixel from the camera:
+                       white is the nearest that occurs, dark grey
+                       the farthest, black the background
+  shadow-map[:LIGHT[:VIEW]]
+                       the same as the light sees it: black is a
+                       texel without a caster
+
+LIGHT is a light's number from 0 or its name, VIEW the number of one
+of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
+left out. The greys of distances are logarithmic for perspective views
+and linear for parallel rays.";
+
 /// What picture of which scene: the choices that `render`, `compare` and `plan` share.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct PictureArgs {
     /// The scene: a .gltf or .glb file, or builtin:NAME
     ///
-    /// The scene: a glTF 2.0 file (.gltf or .glb), or `builtin:NAME` for a built-in one: demo, box-on-plane, fence, tilted-plane,
-    /// grazing. Without a scene: builtin:demo.
-    #[arg(value_name = "SCENE")]
+    /// The built-in scenes are demo, box-on-plane, fence, tilted-plane and grazing; without a scene it is the demo.
+    #[arg(value_name = "SCENE", value_parser = OsStringValueParser::new().map(SceneSource::from))]
     pub(crate) scene: Option<SceneSource>,
 
     /// Width and height of the picture in pixels, each from 1 to 16384
@@ -140,29 +162,33 @@ pub(crate) struct PictureArgs {
 
     /// The camera: its name or number in the scene, or a place [default: the scene's first]
     ///
-    /// The camera: its name in the scene, its number from 0, or a place of its own as `eye=X,Y,Z;target=X,Y,Z;fov=DEGREES`. Points are
-    /// in metres of the file's world space, y is up; fov is the vertical angle of view, 45 if left out. Without it: the scene's first.
+    /// Numbers count from 0. A place is `eye=X,Y,Z;target=X,Y,Z;fov=DEGREES`, with points in metres of the file's world space, where y is
+    /// up; fov is the vertical angle of view, 45 if left out. A camera whose name is a number or has an equals sign goes by its number.
     #[arg(long, value_name = "CAMERA", allow_hyphen_values = true, help_heading = "Picture")]
     pub(crate) camera: Option<CameraChoice>,
 
     /// A light in place of the scene's own; can be given several times
     ///
-    /// A light in place of all of the scene's own; can be given several times:
+    /// Each kind of light takes:
     ///
     ///   directional:dir=X,Y,Z;lux=N
     ///   spot:pos=X,Y,Z;dir=X,Y,Z;inner=DEGREES;outer=DEGREES;cd=N;range=METRES
     ///   point:pos=X,Y,Z;cd=N;range=METRES
     ///
-    /// `dir` is the way the light travels, `pos` its place in metres of the file's world space. A spot light's angles are measured from
-    /// its axis: full brightness up to `inner` (0 if left out), no light beyond `outer` (at most 90). `range` is the distance beyond which
-    /// there is no light; leave it out for no such limit. Each kind also takes `color=R,G,B` (linear, white if left out).
+    /// and each also color=R,G,B (linear; white if left out).
+    ///
+    /// dir is the way the light travels, pos its place in metres of the
+    /// file's world space. A spot light's angles are measured from its axis:
+    /// full brightness up to inner (0 if left out), none beyond outer (at
+    /// most 90). There is no light beyond range; left out, there is no such
+    /// limit.
     #[arg(long = "light", value_name = "SPEC", verbatim_doc_comment, help_heading = "Picture")]
     pub(crate) lights: Vec<LightSpec>,
 
     /// Exposure value (EV at ISO 100): 15 suits a sunny day, 5 a lit room [default: by the lights]
     ///
-    /// The exposure value (EV at ISO 100), from -64 to 64: 15 suits a sunny day, 5 a lit room, and every step up halves the brightness.
-    /// Without it the exposure is chosen by a fixed rule from the lights, the same on every backend.
+    /// From -64 to 64; every step up halves the brightness. Without it the exposure is chosen by a fixed rule from the lights, the same
+    /// on every backend.
     #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) exposure: Option<f32>,
 
@@ -186,8 +212,7 @@ pub(crate) struct PictureArgs {
 
     /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
     ///
-    /// A length in metres that is added to the bias, along the view axis of the light: 0.01 with `--bias constant` and 0 with
-    /// `--bias slope` if left out. With `--bias none` it has no meaning and is refused.
+    /// With `--bias none` it has no meaning and is refused.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
 }
@@ -217,19 +242,8 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
-    /// What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
-    ///
-    /// What to draw. LIGHT is a light's number from 0 or its name, VIEW the number of a view of it (a point light has six: +x -x +y -y +z
-    /// -z); both are 0 if left out.
-    ///
-    ///   color                      the picture, sRGB
-    ///   visibility[:LIGHT]         how much of a light reaches each pixel: black is shadowed, white is lit
-    ///   depth                      how far away each pixel is: the nearest is white, the farthest dark grey, background is black
-    ///   shadow-map[:LIGHT[:VIEW]]  the same as the light sees it: empty texels are black
-    ///
-    /// Distances are spread over the greys from the nearest to the farthest that occurs, on a logarithmic scale for perspective views and
-    /// a linear one for parallel rays.
-    #[arg(long, value_name = "LAYER", default_value = "color", verbatim_doc_comment, help_heading = "Picture")]
+    /// What to draw.
+    #[arg(long, value_name = "LAYER", default_value = "color", help = SHOW_HELP, long_help = SHOW_LONG_HELP, help_heading = "Picture")]
     pub(crate) show: Show,
 
     /// The file to write; its name must end in .png
@@ -246,7 +260,7 @@ pub(crate) struct RenderArgs {
 
     /// Report as JSON on standard output
     ///
-    /// Report as JSON on standard output: `scene`, `notes`, `backend`, `adapter` (null for the CPU), `triangles`, `width`, `height`,
+    /// An object with `scene`, `notes`, `backend`, `adapter` (null for the CPU), `triangles`, `width` and `height` of what was drawn,
     /// `milliseconds` (`prepare` once per scene; `shadow_maps`, `camera` and `shading`, whose sum is `total`) and `output`.
     #[arg(long)]
     pub(crate) json: bool,
@@ -269,16 +283,15 @@ pub(crate) struct CompareArgs {
 
     /// A folder for pictures of every layer, of the differences, and comparison.json
     ///
-    /// A folder, made if it is not there, for three pictures of every layer: LAYER-cpu.png, LAYER-gpu.png and LAYER-difference.png, and for
-    /// comparison.json, the report of --json. A difference is black where the two are equal and otherwise at least dark grey, white being
+    /// It is made if it is not there. Every layer becomes three pictures, LAYER-cpu.png, LAYER-gpu.png and LAYER-difference.png;
+    /// comparison.json is the report of --json. A difference is black where the two are equal and otherwise at least dark grey, white being
     /// the largest difference of the layer.
     #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
     pub(crate) output: Option<PathBuf>,
 
     /// Report as JSON on standard output
     ///
-    /// Report as JSON on standard output: `scene`, `notes`, `agree`, `contract` (`exact` or `tolerance`), `backends`, `adapter`, and for
-    /// each of `layers` its `name`, `pixels`, `differing` (in any bit), `left_out` (pixels by reason), `max_difference` (null where one of
+    /// An object with `scene`, `notes`, `agree`, `contract` (`exact` or `tolerance`), `backends`, `adapter`, and for each of `layers` its `name`, `pixels`, `differing` (in any bit), `left_out` (pixels by reason), `max_difference` (null where one of
     /// the values is not a number and the other is), `violations` and `within_contract`.
     #[arg(long)]
     pub(crate) json: bool,
@@ -292,6 +305,10 @@ pub(crate) struct PlanArgs {
     pub(crate) picture: PictureArgs,
 
     /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` and `lights`. Each light has its `fit`, `split`,
+    /// `store`, `bias` and `filter`, and `views` with `clip_from_world` (a list of rows), `depth_range` and `texel_metres` in metres (the
+    /// latter at 1 m from the light for a perspective view), and the bounds on `rounding` in texels and in depth.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -45,6 +45,13 @@ impl Console {
     }
 }
 
+impl Drop for Console {
+    /// Also where a command fails, no spinner stays behind before the message.
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
 /// Says a sentence on standard error under the program's name.
 pub(crate) fn complain(sentence: &str) {
     // There is nowhere left to report that standard error is closed.
@@ -54,7 +61,9 @@ pub(crate) fn complain(sentence: &str) {
 /// Makes a panic a sentence without a backtrace: it is a defect, whatever was asked for.
 pub(crate) fn report_panics_as_defects() {
     std::panic::set_hook(Box::new(|panic| {
-        let what = panic.payload_as_str().unwrap_or("no reason given");
+        let payload = panic.payload();
+        let what = payload.downcast_ref::<&str>().copied().or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+        let what = what.unwrap_or("no reason given");
         let place = panic.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
         complain(&format!("this is a defect of the program, please report it: {what}{place}"));
     }));
@@ -78,7 +87,7 @@ pub(crate) fn to_json(report: &impl Serialize) -> io::Result<String> {
     Ok(text)
 }
 
-/// A table: columns as wide as their widest cell, the first flush left and the others right, but for `left` columns at the end.
+/// A table: columns as wide as their widest cell, flush left where `is_left` says so of the column's index and right elsewhere.
 pub(crate) fn table(rows: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0);

@@ -42,7 +42,8 @@ const MAP_SIZE: u32 = 32;
 #[derive(Clone, Copy, Debug)]
 struct Number {
     value: f32,
-    /// The size of the terms that the value is computed from, for where they cancel; infinite where a decision hangs on the last bit.
+    /// The size of the terms that the value is computed from, for where they cancel; infinite where a
+    /// decision hangs on the last bit.
     scale: f32,
 }
 
@@ -300,7 +301,8 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "filter",
         functions: &["filtered_test"],
-        statements: "output(0u, filtered_test(u32(input(0u)), u32(input(1u)), vec2f(input(2u), input(3u)), input(4u), input(5u)));",
+        statements: "output(0u, filtered_test(u32(input(0u)), u32(input(1u)), vec2f(input(2u), input(3u)), input(4u),
+            input(5u)));",
         inputs_each: 6,
         inputs: |world, random| {
             random.groups::<6>(&[], |random| {
@@ -624,10 +626,7 @@ fn check_file(file: &str) {
         let (inputs, expected) = mirror.in_rust();
         let actual = mirror.on_the_gpu(&inputs);
         let rules = gpu().adapter().rules;
-        match mirror.judge(rules, &inputs, &expected, &actual) {
-            Ok(()) => println!("{}: {} numbers agree", mirror.functions[0], actual.len()),
-            Err(problem) => problems.push(problem),
-        }
+        problems.extend(mirror.judge(rules, &inputs, &expected, &actual).err());
     }
     assert!(problems.is_empty(), "{}", problems.join("\n"));
 }
@@ -828,7 +827,8 @@ impl Mirror {
         match first {
             None => Ok(()),
             Some(first) => Err(format!(
-                "{}: {wrong} of {} numbers differ, by up to {worst} units in the last place; {first} (unknown drivers may be off by {} for {})",
+                "{}: {wrong} of {} numbers differ, by up to {worst} units in the last place; {first} \
+                (unknown drivers may be off by {} for {})",
                 self.functions[0],
                 expected.len(),
                 self.bound,
@@ -990,7 +990,8 @@ impl World {
         }
     }
 
-    /// Infinite where a test around a texel ties, as rounding may decide it; else 1. `lost` is the rounding of the depth and bias.
+    /// Infinite where a test around a texel ties, as rounding may decide it; else 1. `lost` is the rounding of the
+    /// depth and the bias.
     fn scale_of_tests(&self, view: f32, filter: u32, texel: Vec2, depth: f32, bias: f32, lost: f32) -> f32 {
         let view = self.view(view);
         let inside = |x: i32| (0..MAP_SIZE as i32).contains(&x);
@@ -1012,7 +1013,7 @@ impl World {
         let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
         let view = &self.globals.views[index as usize];
         let w = row_times_point(view.clip_w, receiver.point);
-        near |= is_tie(w, magnitude_of_row(view.clip_w, receiver.point)) || !(w > 0.0) && !(w < 0.0);
+        near |= is_tie(w, magnitude_of_row(view.clip_w, receiver.point)) || w.is_nan();
         let quotient = |row: [f32; 4]| {
             let value = row_times_point(row, receiver.point) / w;
             let terms = magnitude_of_row(row, receiver.point) + value.abs() * magnitude_of_row(view.clip_w, receiver.point);
@@ -1112,8 +1113,11 @@ fn depths(layers: u32, random: &mut Random) -> Vec<f32> {
     const BLOCK: u32 = 8;
     const BLOCKS: u32 = MAP_SIZE / BLOCK;
     // Perspective depths crowd near 1.
-    let new_depth =
-        |random: &mut Random| if random.below(3) == 0 { 1.0 } else { 1.0 - random.unit() * random.unit() * random.unit() };
+    let new_depth = |random: &mut Random| match random.below(3) {
+        0 => 1.0,
+        1 => random.unit(),
+        _ => 1.0 - random.unit() * random.unit() * random.unit(),
+    };
     let blocks: Vec<f32> = (0..layers * BLOCKS * BLOCKS).map(|_| new_depth(random)).collect();
     (0..layers * MAP_SIZE * MAP_SIZE)
         .map(|index| {
@@ -1301,7 +1305,7 @@ impl Random {
 
     /// An integer from 0 to below `end`.
     fn below(&mut self, end: u32) -> u32 {
-        (u64::from(self.bits()) * u64::from(end) >> 32) as u32
+        ((u64::from(self.bits()) * u64::from(end)) >> 32) as u32
     }
 
     /// A number from 0 to below 1.

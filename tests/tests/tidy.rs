@@ -722,7 +722,8 @@ fn rules_over_dependencies_can_fail() {
         assert_eq!(wrong_binaries(&serde_json::json!({ "packages": packages })).len(), 1);
     }
 
-    let lock = "[[package]]\nname = \"a\"\ndependencies = [\n \"b 1.0.0\",\n]\n\n[[package]]\nname = \"b\"\ndependencies = [\n \"c\",\n]\n\n[[package]]\nname = \"c\"\n";
+    let lock = "[[package]]\nname = \"a\"\ndependencies = [\n \"b 1.0.0\",\n]\n\n\
+        [[package]]\nname = \"b\"\ndependencies = [\n \"c\",\n]\n\n[[package]]\nname = \"c\"\n";
     let graph = lock_graph(lock);
     assert!(reaches(&graph, "a", "c") && !reaches(&graph, "c", "a"));
 }

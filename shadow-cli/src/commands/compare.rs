@@ -129,11 +129,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
         write_text(&path, &json)?;
     }
     console.finish();
-    if args.json {
-        print_json(&report)?
-    } else {
-        print(&text(&report))?
-    }
+    if args.json { print_json(&report) } else { print(&text(&report)) }?;
     Ok(if report.agree { Verdict::Done } else { Verdict::NotSo })
 }
 

@@ -47,11 +47,7 @@ pub(super) fn run(args: &DevicesArgs) -> Result<Verdict, CliError> {
     let devices = pollster::block_on(list_adapters()).into_iter().map(Device::from).collect();
     console.finish();
     let report = Report { devices };
-    if args.json {
-        print_json(&report)?
-    } else {
-        print(&text(&report))?
-    }
+    if args.json { print_json(&report) } else { print(&text(&report)) }?;
     Ok(Verdict::Done)
 }
 
@@ -76,5 +72,5 @@ fn text(report: &Report) -> String {
         ]
     });
     let rows: Vec<_> = std::iter::once(heading).chain(rows).collect();
-    table(&rows, |column| !matches!(column, 4 | 5))
+    table(&rows, |column| !(4..=5).contains(&column))
 }

@@ -176,11 +176,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
     let job = Job::resolve(&args.picture, &console)?;
     console.finish();
     let report = Report::of(&job);
-    if args.json {
-        print_json(&report)?
-    } else {
-        print(&text(&report))?
-    }
+    if args.json { print_json(&report) } else { print(&text(&report)) }?;
     Ok(Verdict::Done)
 }
 
@@ -211,7 +207,7 @@ fn text(report: &Report<'_>) -> String {
             ]);
         }
     }
-    text.push_str(&table(&rows, |column| !matches!(column, 3 | 4 | 5)));
+    text.push_str(&table(&rows, |column| !(3..=5).contains(&column)));
     text.push_str("--json has the matrices and the bounds on rounding\n");
     text
 }

@@ -77,11 +77,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
         milliseconds: rendered.times.into(),
         output: args.output.display().to_string(),
     };
-    if args.json {
-        print_json(&report)?
-    } else {
-        print(&sentences(&report, &job, &rendered, &layer.to_string()))?
-    }
+    if args.json { print_json(&report) } else { print(&sentences(&report, &job, &rendered, &layer.to_string())) }?;
     Ok(Verdict::Done)
 }
 

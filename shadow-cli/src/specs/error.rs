@@ -1,0 +1,80 @@
+//! Why a value of the command line cannot be read.
+
+use super::MAX_PICTURE_SIZE;
+
+/// Why a value of the command line cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum SpecError {
+    /// Not a width and a height.
+    #[error("`{0}` is not a size; write width and height in pixels, each from 1 to {MAX_PICTURE_SIZE}, such as 1280x720")]
+    Size(String),
+    /// Not a layer.
+    #[error("there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]]")]
+    Layer(String),
+    /// Not the number of a view.
+    #[error("`{0}` is not the number of a view; a light's views count from 0")]
+    View(String),
+    /// Not a kind of light.
+    #[error("there is no kind of light `{0}`; there are: directional, spot, point (such as directional:dir=-1,-2,-1;lux=20000)")]
+    LightKind(String),
+    /// A part without an equals sign.
+    #[error("`{part}` is not KEY=VALUE; {what} takes: {}", accepted.join(", "))]
+    NotKeyValue {
+        /// The part.
+        part: String,
+        /// What is described.
+        what: &'static str,
+        /// The keys it takes.
+        accepted: &'static [&'static str],
+    },
+    /// A key that means nothing here.
+    #[error("{what} has no `{key}`; it takes: {}", accepted.join(", "))]
+    UnknownKey {
+        /// What is described.
+        what: &'static str,
+        /// The key.
+        key: String,
+        /// The keys it takes.
+        accepted: &'static [&'static str],
+    },
+    /// A key that is given twice.
+    #[error("`{key}` is given twice")]
+    RepeatedKey {
+        /// The key.
+        key: String,
+    },
+    /// A key that must be there.
+    #[error("{what} needs `{key}`; it takes: {}", accepted.join(", "))]
+    MissingKey {
+        /// What is described.
+        what: &'static str,
+        /// The key.
+        key: &'static str,
+        /// The keys it takes.
+        accepted: &'static [&'static str],
+    },
+    /// Not a number.
+    #[error("`{key}={value}`: `{part}` is not a finite number")]
+    Number {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: String,
+        /// The part that is not a number.
+        part: String,
+    },
+    /// Not three numbers.
+    #[error("`{key}={value}` must be three numbers separated by commas, such as {key}=1,2,3")]
+    Vector {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: String,
+    },
+    /// Not two backends.
+    #[error("`{0}` is not a pair of backends; write exactly two of cpu and gpu, such as cpu,gpu")]
+    Backends(String),
+    /// The same backend twice.
+    #[error("comparing a backend with itself proves nothing; name two different ones, such as cpu,gpu")]
+    SameBackend,
+}

@@ -1,0 +1,164 @@
+//! Lights as `--light` describes them.
+
+use std::str::FromStr;
+
+use glam::{DVec3, Vec3};
+use shadow_math::{Light, LightKind};
+
+use super::{SpecError, pairs::Pairs};
+
+/// A light as it was typed: positions in metres of the file's world space, angles in degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LightSpec {
+    /// What was typed, for messages.
+    pub(crate) text: String,
+    kind: LightSpecKind,
+    /// The colour, linear.
+    color: DVec3,
+    /// Lux for a directional light, candela for the others.
+    intensity: f64,
+}
+
+/// What kind of light was typed.
+#[derive(Clone, Debug, PartialEq)]
+enum LightSpecKind {
+    Directional { direction: DVec3 },
+    Spot { position: DVec3, direction: DVec3, inner_degrees: f64, outer_degrees: f64, range: Option<f64> },
+    Point { position: DVec3, range: Option<f64> },
+}
+
+impl FromStr for LightSpec {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
+        let (pairs, kind, intensity) = match kind.trim() {
+            "directional" => {
+                let pairs = Pairs::parse(rest, "a directional light", &["dir", "lux", "color"])?;
+                let kind = LightSpecKind::Directional { direction: pairs.vector("dir")? };
+                (pairs, kind, "lux")
+            }
+            "spot" => {
+                let pairs = Pairs::parse(rest, "a spot light", &["pos", "dir", "inner", "outer", "cd", "range", "color"])?;
+                let kind = LightSpecKind::Spot {
+                    position: pairs.vector("pos")?,
+                    direction: pairs.vector("dir")?,
+                    inner_degrees: pairs.optional_number("inner")?.unwrap_or(0.0),
+                    outer_degrees: pairs.number("outer")?,
+                    range: pairs.optional_number("range")?,
+                };
+                (pairs, kind, "cd")
+            }
+            "point" => {
+                let pairs = Pairs::parse(rest, "a point light", &["pos", "cd", "range", "color"])?;
+                let kind = LightSpecKind::Point { position: pairs.vector("pos")?, range: pairs.optional_number("range")? };
+                (pairs, kind, "cd")
+            }
+            other => return Err(SpecError::LightKind(other.into())),
+        };
+        let color = pairs.optional_vector("color")?.unwrap_or(DVec3::ONE);
+        Ok(Self { text: text.into(), kind, color, intensity: pairs.number(intensity)? })
+    }
+}
+
+impl LightSpec {
+    /// The kind, which is also the light's name.
+    pub(crate) fn name(&self) -> &'static str {
+        match self.kind {
+            LightSpecKind::Directional { .. } => "directional",
+            LightSpecKind::Spot { .. } => "spot",
+            LightSpecKind::Point { .. } => "point",
+        }
+    }
+
+    /// The light relative to `origin`, a point in metres of the file's world space. It is not yet validated.
+    pub(crate) fn to_light(&self, origin: DVec3) -> Light {
+        let range = |range: Option<f64>| range.map(|metres| metres as f32);
+        let relative = |position: DVec3| (position - origin).as_vec3();
+        let kind = match self.kind {
+            LightSpecKind::Directional { direction } => LightKind::Directional { direction: narrow_direction(direction) },
+            LightSpecKind::Spot { position, direction, inner_degrees, outer_degrees, range: limit } => LightKind::Spot {
+                position: relative(position),
+                direction: narrow_direction(direction),
+                inner: inner_degrees.to_radians() as f32,
+                outer: outer_degrees.to_radians() as f32,
+                range: range(limit),
+            },
+            LightSpecKind::Point { position, range: limit } => {
+                LightKind::Point { position: relative(position), range: range(limit) }
+            }
+        };
+        Light { kind, color: self.color.as_vec3(), intensity: self.intensity as f32 }
+    }
+}
+
+/// A direction as f32, scaled so that it fits whatever its length is; one without a length stays so and is refused later.
+fn narrow_direction(direction: DVec3) -> Vec3 {
+    let largest = direction.abs().max_element();
+    if largest > 0.0 { (direction / largest).as_vec3() } else { Vec3::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(text: &str) -> Result<LightSpec, SpecError> {
+        text.parse()
+    }
+
+    /// The message of a light that cannot be read.
+    fn light_error(text: &str) -> String {
+        light(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_directional_light() {
+        let light = light("directional:dir=1,-2,0.5;lux=20000").unwrap().to_light(DVec3::splat(100.0));
+        assert_eq!(light.kind, LightKind::Directional { direction: Vec3::new(0.5, -1.0, 0.25) });
+        assert_eq!((light.color, light.intensity), (Vec3::ONE, 20_000.0));
+    }
+
+    #[test]
+    fn a_spot_light_is_relative_to_the_origin_and_in_radians() {
+        let spec = light("spot: pos=1e6,2,3 ; dir=0,-1,0; outer=90; cd=800; range=12; color=1,0.5,0;").unwrap();
+        let light = spec.to_light(DVec3::new(999_990.0, 0.0, 0.0));
+        light.validate().unwrap();
+        let LightKind::Spot { position, direction, inner, outer, range } = light.kind else { panic!("not a spot light") };
+        assert_eq!((position, direction), (Vec3::new(10.0, 2.0, 3.0), Vec3::NEG_Y));
+        assert_eq!((inner, outer, range), (0.0, core::f32::consts::FRAC_PI_2, Some(12.0)));
+        assert_eq!((light.color, light.intensity), (Vec3::new(1.0, 0.5, 0.0), 800.0));
+    }
+
+    #[test]
+    fn a_point_light_needs_no_range() {
+        let light = light("point:cd=5;pos=0,1,2").unwrap().to_light(DVec3::ZERO);
+        assert_eq!(light.kind, LightKind::Point { position: Vec3::new(0.0, 1.0, 2.0), range: None });
+    }
+
+    #[test]
+    fn directions_keep_their_meaning_at_any_length() {
+        for length in [1e-300, 1.0, 1e300] {
+            let light = light(&format!("directional:dir=0,-{length},0;lux=1")).unwrap().to_light(DVec3::ZERO);
+            light.validate().unwrap();
+            let LightKind::Directional { direction } = light.kind else { panic!("not a directional light") };
+            assert_eq!(direction, Vec3::NEG_Y);
+        }
+        assert!(light("directional:dir=0,0,0;lux=1").unwrap().to_light(DVec3::ZERO).validate().is_err());
+    }
+
+    #[test]
+    fn wrong_lights_are_told_what_a_light_takes() {
+        assert_eq!(light_error("sun:lux=1"), SpecError::LightKind("sun".into()).to_string());
+        assert_eq!(light_error("directional:dir=0,-1,0"), "a directional light needs `lux`; it takes: dir, lux, color");
+        assert_eq!(light_error("directional:dir=0,-1,0;cd=1"), "a directional light has no `cd`; it takes: dir, lux, color");
+        assert_eq!(light_error("point"), "a point light needs `pos`; it takes: pos, cd, range, color");
+        assert_eq!(light_error("point:pos=1,2,3;pos=1,2,3;cd=1"), "`pos` is given twice");
+        assert_eq!(light_error("point:pos=1,2;cd=1"), "`pos=1,2` must be three numbers separated by commas, such as pos=1,2,3");
+        assert_eq!(light_error("point:pos=1,2,z;cd=1"), "`pos=1,2,z`: `z` is not a finite number");
+        assert_eq!(light_error("point:pos=1,2,3;cd=inf"), "`cd=inf`: `inf` is not a finite number");
+        assert_eq!(
+            light_error("point:pos=1,2,3;bright"),
+            "`bright` is not KEY=VALUE; a point light takes: pos, cd, range, color"
+        );
+    }
+}

@@ -1,0 +1,111 @@
+//! What the literature gets wrong, each error shown by a number. `docs/errata.md` lists them.
+
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
+use shadow_math::{
+    bias::{depth_per_view_z, gradient_by_jacobian, gradient_by_plane},
+    bounds::Aabb,
+    fit::{ViewFit, directional_view, spot_view},
+    spaces::{ClipDepth, texel_from_clip},
+};
+
+const SIZE: u32 = 512;
+
+fn views() -> [ViewFit; 2] {
+    let bounds = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
+    [
+        directional_view(Vec3::new(0.3, -1.0, 0.5), bounds, SIZE, 2),
+        spot_view(Vec3::new(2.0, 12.0, 1.0), Vec3::new(-0.1, -1.0, 0.0), 0.7, f64::INFINITY, &[bounds], SIZE, 2),
+    ]
+}
+
+fn texel_from_world(view: &ViewFit) -> DMat4 {
+    texel_from_clip(DVec2::ZERO, DVec2::splat(f64::from(SIZE))) * view.clip_from_world()
+}
+
+/// Points and normals of planes that every view above sees.
+fn planes() -> [(DVec3, DVec3); 3] {
+    [
+        (DVec3::new(0.5, 0.2, -0.4), DVec3::new(0.1, 0.9, 0.2).normalize()),
+        (DVec3::new(-2.0, 1.0, 1.4), DVec3::new(0.6, 0.7, -0.1).normalize()),
+        (DVec3::new(1.0, -1.0, 2.0), DVec3::new(-0.5, 0.8, 0.4).normalize()),
+    ]
+}
+
+/// Equation (5) of the article as it is printed.
+fn gradient_as_printed(texel_from_world: DMat4, point: DVec3, normal: DVec3) -> DVec2 {
+    let world_from_texel = texel_from_world.inverse();
+    let derivative = |column: DVec4| column.truncate() - point * column.w;
+    let along_depth = normal.dot(derivative(world_from_texel.z_axis));
+    DVec2::new(normal.dot(derivative(world_from_texel.x_axis)), normal.dot(derivative(world_from_texel.y_axis))) / along_depth
+}
+
+/// Erratum 1: equation (5) lacks a minus sign.
+#[test]
+fn equation_5_lacks_a_minus_sign() {
+    for view in views() {
+        for (point, normal) in planes() {
+            let matrix = texel_from_world(&view);
+            let printed = gradient_as_printed(matrix, point, normal);
+            let plane = gradient_by_plane(matrix, normal.extend(-normal.dot(point)));
+            let corrected = gradient_by_jacobian(matrix, point, normal);
+            assert!((printed + plane).length() < 1e-9 * plane.length(), "{printed} is the opposite of {plane}");
+            assert!((corrected - plane).length() < 1e-9 * plane.length());
+        }
+    }
+}
+
+/// The slope term of the caster shader of 2006, in stored depth from 0 to 1, computed as its source does in OpenGL's clip space.
+fn slope_term_of_2006(view: &ViewFit, point: DVec3, normal: DVec3) -> f64 {
+    let clip_from_world = ClipDepth::MinusOneToOne.zero_to_one_from_clip().inverse() * view.clip_from_world();
+    let world_from_clip = clip_from_world.inverse();
+    let w = (clip_from_world * point.extend(1.0)).w;
+    let step = 1.0 / f64::from(SIZE);
+    let derivative = |direction: DVec4| {
+        let column = world_from_clip * direction;
+        w * (column - point.extend(1.0) * column.w)
+    };
+    let along_depth = normal.dot(derivative(DVec4::Z).truncate());
+    let dz = |direction: DVec4| -normal.dot(derivative(direction).truncate()) / along_depth;
+    let slope = dz(DVec4::X * step).abs().max(dz(DVec4::Y * step).abs());
+    // Half of the slope is added to z, and z is then halved into 0 to 1.
+    0.5 * (0.5 * slope)
+}
+
+/// Erratum 2: the caster shader's slope term is a quarter to an eighth of what bilinear filtering needs.
+#[test]
+fn the_caster_shader_of_2006_is_four_to_eight_times_too_weak() {
+    let mut ratios = Vec::new();
+    for view in views() {
+        for (point, normal) in planes() {
+            let gradient = gradient_by_jacobian(texel_from_world(&view), point, normal);
+            let need = gradient.x.abs() + gradient.y.abs();
+            ratios.push(need / slope_term_of_2006(&view, point, normal));
+        }
+    }
+    assert!(ratios.iter().all(|ratio| (4.0 - 1e-6..=8.0 + 1e-6).contains(ratio)), "{ratios:?}");
+    let spread = ratios.iter().copied().fold(f64::INFINITY, f64::min)..ratios.iter().copied().fold(0.0, f64::max);
+    assert!(spread.end > 1.2 * spread.start, "the factor depends on the plane's azimuth: {spread:?}");
+}
+
+/// Erratum 3: the slope term is in the viewport's depth and the constant term in the projection's, which differ by the viewport's scale.
+#[test]
+fn the_article_mixes_two_depths() {
+    for view in views() {
+        let opengl = ClipDepth::MinusOneToOne.zero_to_one_from_clip().inverse() * view.clip_from_view;
+        let in_view = DVec4::new(0.3, -0.2, -9.0, 1.0);
+        let (clip, stored) = (opengl * in_view, view.clip_from_view * in_view);
+        let of_projection = depth_per_view_z(opengl, clip.z / clip.w, clip.w);
+        let of_stored = depth_per_view_z(view.clip_from_view, stored.z / stored.w, stored.w);
+        assert!((of_projection / of_stored - 2.0).abs() < 1e-9, "{of_projection} against {of_stored}");
+    }
+}
+
+/// Erratum 8: OGRE gives a directional light without a far distance an orthographic depth of `2e5` near distances, and 16 bits of it are metres.
+#[test]
+fn sixteen_bits_of_an_unlimited_directional_light_are_metres() {
+    // q = -epsilon / near is the depth scale of OGRE's infinite orthographic projection over a range of 2 in NDC.
+    let epsilon = 1e-5;
+    let step = |near: f64| 2.0 / (epsilon / near) / 65_535.0;
+    assert!((step(0.5) - 1.526).abs() < 1e-3, "{}", step(0.5));
+    assert!((step(0.1) - 0.305).abs() < 1e-3, "{}", step(0.1));
+}
