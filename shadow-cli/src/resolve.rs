@@ -1,7 +1,7 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_math::{Bias, Camera, Filter, ShadowSettings};
-use shadow_scene::{FramePlan, LayerName, Request, Scene, SceneLight, builtin, import};
+use shadow_scene::{FramePlan, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import};
 
 use crate::{
     args::{BiasName, FilterName, PictureArgs},
@@ -21,6 +21,8 @@ pub(crate) struct Job {
     pub(crate) scene_name: String,
     /// The scene, under the lights that were chosen.
     pub(crate) scene: Scene,
+    /// What the person should know: what of the scene was left out, and which defaults stand in for what it lacks.
+    pub(crate) notes: Vec<String>,
     /// The camera's name; empty for one without a name.
     pub(crate) camera_name: String,
     /// How lights are shadowed.
@@ -36,13 +38,14 @@ impl Job {
     pub(crate) fn resolve(args: &PictureArgs, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args)?;
         let (scene_name, scene) = load(args.scene.as_ref(), console)?;
-        for note in scene.notes() {
+        let scene = with_chosen_lights(scene, args)?;
+        let notes = notes(&scene, args.camera.is_none());
+        for note in &notes {
             console.note(note);
         }
-        let scene = with_chosen_lights(scene, args)?;
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
         let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
-        Ok(Self { scene_name, scene, camera_name, settings, plan })
+        Ok(Self { scene_name, scene, notes, camera_name, settings, plan })
     }
 
     /// The layer that is to be shown, once it is known that there is one.
@@ -65,6 +68,18 @@ impl Job {
     fn light_names(&self) -> Vec<String> {
         self.scene.lights().iter().map(|light| light.name.clone()).collect()
     }
+}
+
+/// The scene's notes, and a sentence for each default of its that is used.
+fn notes(scene: &Scene, uses_own_camera: bool) -> Vec<String> {
+    let mut notes = scene.notes().to_vec();
+    if uses_own_camera && scene.has_default_camera() {
+        notes.push("the scene has no camera: it is seen from one that frames its bounds (--camera chooses another)".into());
+    }
+    if scene.has_default_light() {
+        notes.push(format!("the scene has no light: it is lit by a sun of {SUN_LUX} lux (--light chooses another)"));
+    }
+    notes
 }
 
 /// The request that asks for one layer.

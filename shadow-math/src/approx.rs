@@ -43,7 +43,7 @@ pub fn exp2(x: f32) -> f32 {
     series = series * f + 0.009_618_129;
     series = series * f + 0.055_504_11;
     series = series * f + 0.240_226_5;
-    series = series * f + 0.693_147_2;
+    series = series * f + core::f32::consts::LN_2;
     series = series * f + 1.0;
     series * f32::from_bits(((whole as i32 + 127) as u32) << 23)
 }

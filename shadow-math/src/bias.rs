@@ -27,7 +27,7 @@ pub const MAX_DEPTH_BIAS: f32 = 1.0;
 ///
 /// The gradient is a quotient of two dot products of three terms each. Their terms cancel only as far as the receiver is seen
 /// edge-on; at 89 degrees they have lost six bits of 24. `2^-14` covers that with a margin and costs no texel anything.
-const GRADIENT_MARGIN: f32 = 1.0 + 1.0 / 16_384.0;
+pub const GRADIENT_MARGIN: f32 = 1.0 + 1.0 / 16_384.0;
 
 /// The depth gradient of a plane, from the plane itself: `(du3/du1, du3/du2)` in depth per texel.
 ///
@@ -119,7 +119,7 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3,
         let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
         let texels = filter::support(light.filter) * light.slope_scale
             + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
-        bias = bias + (slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w));
+        bias += slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w);
     }
     bias.min(MAX_DEPTH_BIAS)
 }

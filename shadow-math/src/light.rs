@@ -80,7 +80,7 @@ impl core::fmt::Display for LightError {
             Self::Position(p) => write!(f, "the light's position {p} is not finite"),
             Self::Cone { inner, outer } => write!(
                 f,
-                "the spot light's cone is {} degrees inside and {} degrees outside; the inner angle must be at least 0 and below the outer one, the outer one at most 90 (angles are measured from the axis)",
+                "the spot light's cone is {:.2} degrees inside and {:.2} degrees outside; the inner angle must be at least 0 and below the outer one, the outer one at most 90 (angles are measured from the axis)",
                 inner.to_degrees(),
                 outer.to_degrees()
             ),

@@ -92,7 +92,7 @@ pub fn decode_texel(words: &[u32], texel: u32) -> Vec4 {
 }
 
 /// The largest texture coordinate, in texels, that is taken as it is: beyond it f32 has no fraction of a texel left.
-const MAX_TEXEL_COORDINATE: f32 = 8_388_608.0;
+pub const MAX_TEXEL_COORDINATE: f32 = 8_388_608.0;
 
 /// The texture at `uv`, bilinear, level 0: linear colour and alpha.
 ///

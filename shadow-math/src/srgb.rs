@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use crate::approx::pow;
 
 /// Below this linear value the function is a straight line.
-const LINEAR_LIMIT: f32 = 0.003_130_8;
+pub const LINEAR_LIMIT: f32 = 0.003_130_8;
 
 /// Encodes one linear channel, clamped to 0 to 1. NaN gives 0.
 #[inline]

@@ -126,7 +126,7 @@ pub struct Mesh {
 /// builder.add_instance("floor", white, mesh)?;
 /// let scene = builder.build()?;
 /// assert_eq!(scene.triangles().len(), 1);
-/// assert!(scene.notes()[0].contains("no camera"));
+/// assert!(scene.has_default_camera() && scene.has_default_light());
 /// # Ok::<(), shadow_scene::SceneError>(())
 /// ```
 #[derive(Debug)]
@@ -260,12 +260,12 @@ impl SceneBuilder {
             }
         }
         let bounds = self.instances.iter().fold(Aabb::EMPTY, |bounds, instance| bounds.union(instance.bounds));
-        if self.cameras.is_empty() {
-            self.notes.push("the scene has no camera: it is seen from a camera that frames its bounds".into());
+        let has_default_camera = self.cameras.is_empty();
+        if has_default_camera {
             self.add_camera("framing", framing_camera(bounds));
         }
-        if self.lights.is_empty() {
-            self.notes.push(format!("the scene has no light: it is lit by a sun of {SUN_LUX} lux"));
+        let has_default_light = self.lights.is_empty();
+        if has_default_light {
             self.add_light("sun", sun());
         }
         for SceneLight { name, light } in &self.lights {
@@ -288,6 +288,8 @@ impl SceneBuilder {
             lights: self.lights,
             cameras: self.cameras,
             bounds,
+            has_default_camera,
+            has_default_light,
             notes: self.notes,
         })
     }

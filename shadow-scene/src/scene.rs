@@ -32,6 +32,8 @@ pub struct Scene {
     pub(crate) lights: Vec<SceneLight>,
     pub(crate) cameras: Vec<SceneCamera>,
     pub(crate) bounds: Aabb,
+    pub(crate) has_default_camera: bool,
+    pub(crate) has_default_light: bool,
     pub(crate) notes: Vec<String>,
 }
 
@@ -291,7 +293,19 @@ impl Scene {
         Receiver { point: hit.point, normal: turned_to_viewer(hit.normal, hit.normal, ray) }
     }
 
-    /// What a person should know about how the scene was made: defaults that were chosen, parts that were left out.
+    /// Whether the only camera is one that frames the bounds, since the scene brought none.
+    #[must_use]
+    pub fn has_default_camera(&self) -> bool {
+        self.has_default_camera
+    }
+
+    /// Whether the only light is a sun, since the scene brought none.
+    #[must_use]
+    pub fn has_default_light(&self) -> bool {
+        self.has_default_light
+    }
+
+    /// What a person should know about how the scene was made: parts that were left out or changed.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -301,6 +315,7 @@ impl Scene {
     #[must_use]
     pub fn with_lights(mut self, lights: Vec<SceneLight>) -> Self {
         self.lights = lights;
+        self.has_default_light = false;
         self
     }
 }

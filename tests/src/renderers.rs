@@ -29,6 +29,7 @@ pub fn gpu() -> &'static GpuRenderer {
 }
 
 /// The folder of real scenes that the environment variable `SHADOW_SCENES` names; a test without it says that it did not run.
+#[allow(clippy::print_stderr, reason = "a test that does not run says so where its result is read")]
 pub fn scenes(test: &str) -> Option<PathBuf> {
     match env::var_os("SHADOW_SCENES") {
         Some(folder) => {

@@ -176,7 +176,7 @@ fn soup() -> impl Strategy<Value = Scene> {
     );
     prop::collection::vec(triangle, 60..200).prop_map(|triangles| {
         let mut builder = SceneBuilder::new(DVec3::ZERO);
-        let texels = (0..64).map(|i: u32| [200, 120, (i * 4) as u8, if (i / 3) % 2 == 0 { 255 } else { 40 }]).collect();
+        let texels = (0..64).map(|i: u32| [200, 120, (i * 4) as u8, if (i / 3).is_multiple_of(2) { 255 } else { 40 }]).collect();
         let image = builder.add_image(Image { width: 8, height: 8, texels });
         let texture = Some(Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::MirroredRepeat });
         let materials: Vec<u32> = (0..4)

@@ -13,16 +13,17 @@ use shadow_gpu::shaders::{
     ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, VISIBILITY_MODULE, join,
 };
 use shadow_math::{
-    bias::MAX_DEPTH_BIAS,
+    bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS},
     material::{
-        DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP, WRAP_MIRROR,
-        WRAP_REPEAT,
+        DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP,
+        WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
         BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT,
         LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
     },
     shade::{BACKGROUND, INVERSE_PI, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
+    srgb::LINEAR_LIMIT,
     visibility::NO_VIEW,
 };
 use shadow_scene::NO_TRIANGLE;
@@ -185,26 +186,11 @@ macro_rules! constants {
     ($($name:ident),* $(,)?) => { vec![$((stringify!($name), $name.bits())),*] };
 }
 
-/// Constants that Rust keeps private. Each is compared through its declaration: the file must still have it as it stands here.
-macro_rules! private_constants {
-    ($($file:literal: $name:ident = $value:expr;)*) => {
-        vec![$((stringify!($name), $file, stringify!($value), ($value as f32).bits())),*]
-    };
-}
-
-fn private_constants() -> Vec<(&'static str, &'static str, &'static str, Vec<u32>)> {
-    private_constants! {
-        "shadow-math/src/bias.rs": GRADIENT_MARGIN = 1.0 + 1.0 / 16_384.0;
-        "shadow-math/src/material.rs": MAX_TEXEL_COORDINATE = 8_388_608.0;
-        "shadow-math/src/srgb.rs": LINEAR_LIMIT = 0.003_130_8;
-    }
-}
-
 /// Every constant that WGSL repeats, and its bits in Rust.
 fn constants() -> Vec<(&'static str, Vec<u32>)> {
     // What `depth_gradient` of shadow-math gives for a plane that is seen edge-on.
     const MAX_GRADIENT: f32 = f32::MAX;
-    let mut all = constants![
+    constants![
         LIGHT_DIRECTIONAL,
         LIGHT_SPOT,
         LIGHT_POINT,
@@ -231,9 +217,10 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         SPECULAR_REFLECTANCE,
         SPECULAR_SCALE,
         BACKGROUND,
-    ];
-    all.extend(private_constants().into_iter().map(|(name, _, _, bits)| (name, bits)));
-    all
+        GRADIENT_MARGIN,
+        MAX_TEXEL_COORDINATE,
+        LINEAR_LIMIT,
+    ]
 }
 
 fn parse(name: &str, source: &str) -> Module {
@@ -411,16 +398,6 @@ fn constants_have_the_same_bits() {
     }
     for (name, _) in constants {
         assert!(seen.contains(name), "no module has the constant {name}");
-    }
-}
-
-#[test]
-fn private_constants_are_declared_as_they_are_compared() {
-    let squeeze = |text: &str| text.split_whitespace().collect::<String>();
-    for (name, file, value, _) in private_constants() {
-        let source = read(file);
-        let declaration = squeeze(&format!("const {name}: f32 = {value};"));
-        assert!(squeeze(&source).contains(&declaration), "{file} does not declare {name} as {value}");
     }
 }
 

@@ -1,7 +1,11 @@
 //! The tests across crates: one program, one file a topic.
 
-mod agreement;
+mod tidy;
+mod layout;
+mod mirrors;
 mod comparator;
+mod rasterizer;
 mod analytic;
 mod slope_bias;
-mod rasterizer;
+mod agreement;
+mod program;

@@ -95,7 +95,9 @@ fn files(extensions: &[&str]) -> Vec<Source> {
     assert!(sources.len() > 20, "only {} source files were found", sources.len());
     let test_only: BTreeSet<_> = sources.iter().flat_map(test_modules).collect();
     for source in &mut sources {
-        source.test_only = test_only.contains(&source.path);
+        // A module that is for tests only takes the modules in its folder along.
+        let is_below = |module: &String| source.path.starts_with(&format!("{}/", module.trim_end_matches(".rs")));
+        source.test_only = test_only.contains(&source.path) || test_only.iter().any(is_below);
     }
     sources
 }

@@ -110,7 +110,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
 
     let report = Report {
         scene: &job.scene_name,
-        notes: job.scene.notes(),
+        notes: &job.notes,
         agree: comparison.agree(),
         contract: contract.name(),
         backends: backends.map(|backend| backend.name()),
@@ -188,5 +188,58 @@ fn verdict_text(layer: &LayerReport) -> String {
         (true, 0) => "equal".into(),
         (true, _) => "within tolerance".into(),
         (false, _) => format!("BROKEN at {} pixels", layer.violations),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shadow_scene::LayerName;
+
+    use super::*;
+
+    fn layer(max_difference: f64, violations: usize) -> LayerReport {
+        LayerReport::from(&LayerComparison {
+            name: LayerName::ShadowMap { light: 0, view: 1 },
+            pixels: 100,
+            differing: 7,
+            left_out: LeftOut { camera_coverage: 1, map_coverage: 2, tie: 3 },
+            max_difference,
+            violations,
+            within_contract: violations == 0,
+        })
+    }
+
+    #[test]
+    fn an_infinite_difference_is_null_in_json() {
+        let json = serde_json::to_value(layer(f64::INFINITY, 5)).unwrap();
+        assert!(json["max_difference"].is_null());
+        assert_eq!((&json["name"], &json["left_out"]["tie"]), (&"shadow-map:0:1".into(), &3.into()));
+        assert_eq!(serde_json::to_value(layer(0.25, 0)).unwrap()["max_difference"], 0.25);
+    }
+
+    #[test]
+    fn a_broken_contract_stands_out() {
+        let report = Report {
+            scene: "builtin:demo",
+            notes: &[],
+            agree: false,
+            contract: "tolerance",
+            backends: ["cpu", "gpu"],
+            adapter: Some("a driver"),
+            triangles: 1,
+            width: 10,
+            height: 10,
+            layers: vec![layer(0.25, 0), layer(f64::INFINITY, 5)],
+            output: None,
+        };
+        let text = text(&report);
+        assert!(text.contains("2.50e-1  within tolerance\n") && text.contains("not a number  BROKEN at 5 pixels\n"), "{text}");
+        assert!(text.contains("do NOT agree on builtin:demo: 1 of 2 layers keep the contract, which is tolerance"), "{text}");
+    }
+
+    #[test]
+    fn only_known_rules_are_held_to_the_bit() {
+        assert_eq!(contract_for(DriverRules::Lavapipe22), Contract::Exact);
+        assert_eq!(contract_for(DriverRules::Unknown), Contract::Tolerance);
     }
 }

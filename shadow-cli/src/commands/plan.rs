@@ -103,7 +103,7 @@ impl<'a> Report<'a> {
         let lights = job.scene.lights().iter().zip(&job.plan.lights).enumerate();
         Self {
             scene: &job.scene_name,
-            notes: job.scene.notes(),
+            notes: &job.notes,
             triangles: job.scene.triangles().len(),
             origin: DVec3::to_array(&job.scene.origin()),
             exposure: job.plan.ev,

@@ -68,7 +68,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
 
     let report = Report {
         scene: &job.scene_name,
-        notes: job.scene.notes(),
+        notes: &job.notes,
         backend: args.backend.name(),
         adapter: rendered.adapter.as_ref().map(|adapter| adapter.name.as_str()),
         triangles: job.scene.triangles().len(),

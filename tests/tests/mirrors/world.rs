@@ -1,0 +1,514 @@
+//! What the mirrored functions are fed: lights, views, a map and materials as scenes have them, and inputs up to the edges.
+
+use super::*;
+
+/// The unit in the last place of a number, not below that of the smallest normal one.
+pub(super) fn unit_of(x: f32) -> f32 {
+    let x = x.abs().clamp(f32::MIN_POSITIVE, f32::MAX.next_down());
+    x.next_up() - x
+}
+
+/// What the functions read: real plans, a map and textures.
+pub(super) struct World {
+    pub(super) globals: Globals,
+    /// Light, point and normal of many receivers.
+    pub(super) receivers: Vec<[f32; 7]>,
+}
+
+/// The light that shines straight down: its view's axes are those of the world, so planes can be seen exactly edge-on.
+pub(super) const NOON: f32 = 0.0;
+
+impl World {
+    pub(super) fn get() -> &'static Self {
+        static WORLD: OnceLock<World> = OnceLock::new();
+        WORLD.get_or_init(|| {
+            let mut random = Random::new("the world");
+            let (lights, views) = plans();
+            let depths = depths(views.len() as u32, &mut random);
+            let (materials, words) = materials(&mut random);
+            let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
+            let mut world = Self { globals, receivers: Vec::new() };
+            world.receivers = (0..2 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
+            world.plant_ties();
+            world
+        })
+    }
+
+    pub(super) fn light(&self, index: f32) -> &LightPlan {
+        &self.globals.lights[index as usize]
+    }
+
+    pub(super) fn view(&self, index: f32) -> &ViewPlan {
+        &self.globals.views[index as usize]
+    }
+
+    pub(super) fn map(&self) -> Map<'_> {
+        Map { depths: &self.globals.depths }
+    }
+
+    /// A receiver in or near the scene, mostly one that faces its light.
+    pub(super) fn new_receiver(&self, index: usize, random: &mut Random) -> [f32; 7] {
+        let lights = self.globals.lights.len();
+        let light = (index % lights) as f32;
+        let plan = &self.globals.lights[index % lights];
+        let apex = Vec3::from(plan.position);
+        let reach = if random.below(4) == 0 { 9.0 } else { 6.0 };
+        let mut point = random.vector(reach);
+        if plan.split == SPLIT_SINGLE && plan.axis != [0.0; 3] && random.below(4) > 0 {
+            // In the cone, where a map can be asked.
+            let distance = random.within(0.5, 12.0);
+            point = apex + (Vec3::from(plan.axis) + random.vector(self.reach(plan))) * distance;
+        }
+        if index < lights {
+            point = apex;
+        }
+        let mut normal = random.vector(1.0);
+        let toward = toward_light(plan, point);
+        if normal.dot(toward) < 0.0 && random.below(8) > 0 {
+            normal = -normal;
+        }
+        if random.below(64) == 0 {
+            normal = [Vec3::ZERO, toward.cross(normal), Vec3::X, Vec3::Y][random.below(4) as usize];
+        }
+        [light, point.x, point.y, point.z, normal.x, normal.y, normal.z]
+    }
+
+    /// A little more than half the width of a light's first view at a distance of 1 m.
+    pub(super) fn reach(&self, light: &LightPlan) -> f32 {
+        let view = &self.globals.views[light.first_view as usize];
+        if view.w_per_metre > 0.0 { 0.65 * view.texel_metres[0] * MAP_SIZE as f32 } else { 1.0 }
+    }
+
+    /// Gives every fourth receiver's texel the depth that the receiver is just lit by, or the next one below, by which it is not.
+    pub(super) fn plant_ties(&mut self) {
+        for (index, group) in self.receivers.iter().enumerate().step_by(4) {
+            let light = &self.globals.lights[group[0] as usize];
+            let receiver = Receiver { point: v3(group, 1), normal: v3(group, 4) };
+            let found = lookup(light, &self.globals.views, &receiver);
+            if found.view != NO_VIEW {
+                let texel = found.texel.floor();
+                let stored = found.depth - found.bias;
+                let texel =
+                    (self.globals.views[found.view as usize].layer * MAP_SIZE + texel.y as u32) * MAP_SIZE + texel.x as u32;
+                self.globals.depths[texel as usize] = if index % 8 == 0 { stored } else { stored.next_down() };
+            }
+        }
+    }
+
+    /// A light, and a point in or near the scene; now and then the light's own position.
+    pub(super) fn light_and_point(&self, random: &mut Random) -> [f32; 4] {
+        let light = random.below(self.globals.lights.len() as u32);
+        let plan = &self.globals.lights[light as usize];
+        let mut point = random.vector(8.0);
+        match random.below(16) {
+            0 => point = Vec3::from(plan.position),
+            1..8 => {
+                let direction = Vec3::from(plan.axis) + random.vector(self.reach(plan));
+                point = Vec3::from(plan.position) + direction * random.within(0.01, 12.0);
+            }
+            _ => {}
+        }
+        [light as f32, point.x, point.y, point.z]
+    }
+
+    /// A light, a surface and a visibility.
+    pub(super) fn light_and_surface(&self, random: &mut Random) -> [f32; 15] {
+        let [light, x, y, z] = self.light_and_point(random);
+        let toward = toward_light(self.light(light), Vec3::new(x, y, z)).normalize_or(Vec3::X);
+        let normal = random.vector(1.0).normalize_or(Vec3::Y);
+        // Half of the viewers look from where the highlight is.
+        let mirrored = 2.0 * normal.dot(toward) * normal - toward;
+        let viewer = if random.below(2) == 0 { random.vector(1.0) } else { mirrored + random.vector(0.1) }.normalize_or(Vec3::Z);
+        let viewer = if random.below(64) == 0 { -toward } else { viewer };
+        let shininess = [1.0, 2048.0, random.within(1.0, 2048.0), random.within(1.0, 40.0)][random.below(4) as usize];
+        let visibility = [0.0, 1.0, random.unit(), 0.75][random.below(4) as usize];
+        let base = [random.unit(), random.unit(), random.unit()];
+        [
+            light, x, y, z, normal.x, normal.y, normal.z, viewer.x, viewer.y, viewer.z, base[0], base[1], base[2], shininess,
+            visibility,
+        ]
+    }
+
+    /// A view, and a place in its layer: anywhere, on a border or a centre of a texel, or beyond the rectangle.
+    pub(super) fn view_and_texel(&self, random: &mut Random) -> [f32; 3] {
+        let view = random.below(self.globals.views.len() as u32);
+        let coordinate = |random: &mut Random| match random.below(4) {
+            0 => random.below(MAP_SIZE + 5) as f32 - 2.0,
+            1 => random.below(MAP_SIZE + 5) as f32 - 1.5,
+            _ => random.within(-2.0, MAP_SIZE as f32 + 2.0),
+        };
+        [view as f32, coordinate(random), coordinate(random)]
+    }
+
+    /// A depth to be compared with a texel: often just the one that is still lit, or the next one beyond.
+    pub(super) fn depth_near(&self, random: &mut Random, view: f32, x: f32, y: f32, bias: f32) -> f32 {
+        let inside = |x: f32| x >= 0.0 && x < MAP_SIZE as f32;
+        if !inside(x) || !inside(y) {
+            return random.unit();
+        }
+        let lit = self.map().fetch_texel(self.view(view).layer, x as u32, y as u32) + bias;
+        match random.below(4) {
+            0 => lit,
+            1 => lit.next_up(),
+            _ => random.unit(),
+        }
+    }
+
+    /// Infinite where a test around a texel ties, as rounding may decide it; else 1. `lost` is the rounding of the
+    /// depth and the bias.
+    pub(super) fn scale_of_tests(&self, view: f32, filter: u32, texel: Vec2, depth: f32, bias: f32, lost: f32) -> f32 {
+        let view = self.view(view);
+        let inside = |x: i32| (0..MAP_SIZE as i32).contains(&x);
+        let (taps, count) = weighted_taps(filter, texel);
+        let tie = taps[..count].iter().any(|tap| {
+            inside(tap.x)
+                && inside(tap.y)
+                && (depth - bias - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)).abs() < TIE + lost
+        });
+        if tie { f32::INFINITY } else { 1.0 }
+    }
+
+    /// The sizes of the terms of a lookup's texel x and y, depth and bias; infinite where it is near to choosing another answer.
+    pub(super) fn scale_of_lookup(&self, light: &LightPlan, receiver: &Receiver) -> [f32; 4] {
+        let toward = toward_light(light, receiver.point);
+        let magnitude = receiver.normal.abs().dot(Vec3::from(light.position).abs() + receiver.point.abs());
+        let mut near = is_tie(receiver.normal.dot(toward), magnitude);
+        let found = lookup(light, &self.globals.views, receiver);
+        let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
+        let view = &self.globals.views[index as usize];
+        let w = row_times_point(view.clip_w, receiver.point);
+        near |= is_tie(w, magnitude_of_row(view.clip_w, receiver.point)) || w.is_nan();
+        let quotient = |row: [f32; 4]| {
+            let value = row_times_point(row, receiver.point) / w;
+            let terms = magnitude_of_row(row, receiver.point) + value.abs() * magnitude_of_row(view.clip_w, receiver.point);
+            (value, terms / w.abs())
+        };
+        let [x, y, z] = [view.clip_x, view.clip_y, view.clip_z].map(quotient);
+        let scales =
+            [x.1 * view.texel_scale[0].abs() + view.texel_offset[0], y.1 * view.texel_scale[1].abs() + view.texel_offset[1]];
+        let texel = [x.0 * view.texel_scale[0] + view.texel_offset[0], y.0 * view.texel_scale[1] + view.texel_offset[1]];
+        for axis in 0..2 {
+            let first = view.rect[axis] as f32;
+            let last = first + view.rect[axis + 2] as f32;
+            near |= is_tie(texel[axis] - first, scales[axis]) || is_tie(texel[axis] - last, scales[axis]);
+        }
+        near |= is_tie(z.0, z.1);
+        if near {
+            return [f32::INFINITY; 4];
+        }
+        let bias = if found.view == NO_VIEW { 0.0 } else { magnitude_of_bias(light, view, receiver.point, receiver.normal, w) };
+        [scales[0], scales[1], z.1, bias]
+    }
+
+    /// A textured material, and coordinates in and around its texture, often on the border or the centre of a texel.
+    pub(super) fn texture_coordinates(&self, random: &mut Random) -> [f32; 3] {
+        let material = random.below(self.globals.materials.len() as u32 - 1);
+        let texture = self.globals.materials[material as usize].texture;
+        let coordinate = |random: &mut Random, size: u32| match random.below(8) {
+            0 | 1 => (random.below(8 * size) as f32 - 3.0 * size as f32) / (2.0 * size as f32),
+            2 => random.within(-1e4, 1e4),
+            3 => random.within(-1e9, 1e9),
+            _ => random.within(-2.0, 3.0),
+        };
+        [material as f32, coordinate(random, texture.width), coordinate(random, texture.height)]
+    }
+
+    /// Every textured material at coordinates that are huge or not finite, for which the function promises some texel.
+    pub(super) fn edges_of_textures(&self) -> Vec<[f32; 3]> {
+        let coordinates = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, 0.0, 1.0, -0.0];
+        (0..self.globals.materials.len() - 1)
+            .flat_map(|material| {
+                coordinates.map(|u| [material as f32, u, 0.3]).into_iter().chain(coordinates.map(|v| [material as f32, 0.3, v]))
+            })
+            .collect()
+    }
+}
+
+/// The maps of the world.
+pub(super) struct Map<'a> {
+    pub(super) depths: &'a [f32],
+}
+
+impl MapAccess for Map<'_> {
+    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
+        self.depths[((layer * MAP_SIZE + y) * MAP_SIZE + x) as usize]
+    }
+}
+
+/// Every kind of light under every bias and filter, planned for a scene of 10 m.
+pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
+    let position = Vec3::new(1.0, 7.0, 2.0);
+    let direction = Vec3::new(0.2, -1.0, -0.3);
+    let kinds = [
+        (LightKind::Directional { direction: Vec3::NEG_Y }, Split::Single),
+        (LightKind::Directional { direction: Vec3::new(0.5, -0.8, 0.3) }, Split::Single),
+        (LightKind::Spot { position, direction, inner: 0.3, outer: 0.6, range: Some(12.0) }, Split::Single),
+        // The falloff's steepest step.
+        (LightKind::Spot { position, direction, inner: 0.0, outer: 0.02, range: None }, Split::Single),
+        (LightKind::Spot { position, direction, inner: 1.0, outer: 1.5, range: None }, Split::Single),
+        (LightKind::Point { position: Vec3::new(0.5, 1.0, -0.25), range: None }, Split::Single),
+        (LightKind::Point { position: Vec3::new(-2.0, 3.0, 1.0), range: Some(6.0) }, Split::Cube),
+    ];
+    let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
+    let (mut lights, mut views) = (Vec::new(), Vec::new());
+    for bias in [Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
+        for filter in [Filter::Hard, Filter::Bilinear] {
+            for (kind, split) in kinds {
+                let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
+                let settings = ShadowSettings { split, bias, filter, map_size: MAP_SIZE, ..ShadowSettings::default() };
+                let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+                let plan = plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent)
+                    .expect("the light can be planned");
+                views.extend_from_slice(&lent[..plan.view_count as usize]);
+                lights.push(plan);
+            }
+        }
+    }
+    // A part of the layer, as an atlas has it.
+    for view in views.iter_mut().step_by(3) {
+        view.rect = [2, 1, MAP_SIZE - 5, MAP_SIZE - 3];
+    }
+    (lights, views)
+}
+
+/// Maps of large blocks with single texels that differ, so that all, some or none of neighbouring tests pass; a good part was
+/// never drawn to.
+pub(super) fn depths(layers: u32, random: &mut Random) -> Vec<f32> {
+    const BLOCK: u32 = 8;
+    const BLOCKS: u32 = MAP_SIZE / BLOCK;
+    // Perspective depths crowd near 1.
+    let new_depth = |random: &mut Random| match random.below(3) {
+        0 => 1.0,
+        1 => random.unit(),
+        _ => 1.0 - random.unit() * random.unit() * random.unit(),
+    };
+    let blocks: Vec<f32> = (0..layers * BLOCKS * BLOCKS).map(|_| new_depth(random)).collect();
+    (0..layers * MAP_SIZE * MAP_SIZE)
+        .map(|index| {
+            let (x, row) = (index % MAP_SIZE, index / MAP_SIZE);
+            if random.below(6) == 0 { new_depth(random) } else { blocks[(row / BLOCK * BLOCKS + x / BLOCK) as usize] }
+        })
+        .collect()
+}
+
+/// Textures of several sizes under every pair of wrap modes, and at last a material without one.
+pub(super) fn materials(random: &mut Random) -> (Vec<MaterialData>, Vec<u32>) {
+    let mut words: Vec<u32> = decode_table().map(f32::to_bits).to_vec();
+    assert_eq!(words.len(), DECODE_TABLE_LEN as usize, "the table is as long as it says");
+    let mut materials = Vec::new();
+    for (width, height) in [(1, 1), (2, 2), (5, 3), (16, 8)] {
+        let first_word = words.len() as u32;
+        words.extend((0..width * height).map(|_| random.bits()));
+        for wrap_u in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+            for wrap_v in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+                materials.push(MaterialData {
+                    base_color: [random.unit(), random.unit(), random.unit(), 1.0],
+                    alpha_cutoff: 0.5,
+                    flags: FLAG_MASK,
+                    shininess: 10.0,
+                    texture: TextureData { first_word, width, height, wrap_u, wrap_v },
+                });
+            }
+        }
+    }
+    materials.push(MaterialData { texture: TextureData::NONE, ..materials[0] });
+    (materials, words)
+}
+
+pub(super) fn v3(numbers: &[f32], first: usize) -> Vec3 {
+    Vec3::from_slice(&numbers[first..])
+}
+
+/// The light and the receiver of a group of inputs.
+pub(super) fn receiver<'a>(world: &'a World, group: &[f32]) -> (&'a LightPlan, Receiver) {
+    (world.light(group[0]), Receiver { point: v3(group, 1), normal: v3(group, 4) })
+}
+
+/// The surface that 13 inputs describe.
+pub(super) fn surface(i: &[f32]) -> Surface {
+    Surface { point: v3(i, 0), normal: v3(i, 3), toward_viewer: v3(i, 6), base_color: v3(i, 9), shininess: i[12] }
+}
+
+/// Numbers that are as large as their terms.
+pub(super) fn numbers<const N: usize>(values: [f32; N]) -> Vec<Number> {
+    values.map(Number::from).to_vec()
+}
+
+/// A vector, and the sizes of the terms of its components.
+pub(super) fn scaled(values: Vec3, scales: Vec3) -> Vec<Number> {
+    values.to_array().into_iter().zip(scales.to_array()).map(|(value, scale)| Number { value, scale }).collect()
+}
+
+/// A sum of products, and the size of the products.
+pub(super) fn sum(value: f32, products: &[Vec3]) -> Number {
+    Number { value, scale: products.iter().map(|product| product.abs().element_sum()).sum() }
+}
+
+/// Depths that are nearer than this may compare either way: the contract's tolerance.
+pub(super) const TIE: f32 = 1.0 / 1_048_576.0;
+
+/// Whether a sum of terms of this size is so near to 0 that its sign may be the rounding's.
+pub(super) fn is_tie(value: f32, magnitude: f32) -> bool {
+    // Some sixteen roundings.
+    value.abs() <= 16.0 * unit_of(magnitude)
+}
+
+pub(super) fn magnitude_of_cross(a: Vec3, b: Vec3) -> Vec3 {
+    let (a, b) = (a.abs(), b.abs());
+    Vec3::new(a.y * b.z + b.y * a.z, a.z * b.x + b.z * a.x, a.x * b.y + b.x * a.y)
+}
+
+pub(super) fn magnitude_of_row(row: [f32; 4], point: Vec3) -> f32 {
+    (v3(&row, 0) * point).abs().element_sum() + row[3].abs()
+}
+
+pub(super) fn magnitude_of_gradient(view: &ViewPlan, point: Vec3, normal: Vec3) -> Vec2 {
+    let gradient = depth_gradient(view, point, normal);
+    let terms = |column: [f32; 4]| normal.abs().dot(v3(&column, 0).abs() + point.abs() * column[3].abs());
+    let column = view.world_from_depth;
+    let divisor = normal.dot(v3(&column, 0) - point * column[3]).abs();
+    let along = |column, gradient: f32| (terms(column) + gradient.abs() * terms(view.world_from_depth)) / divisor;
+    if is_tie(divisor, terms(view.world_from_depth)) {
+        return Vec2::INFINITY;
+    }
+    Vec2::new(along(view.world_from_texel_x, gradient.x), along(view.world_from_texel_y, gradient.y))
+}
+
+pub(super) fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+    let w_before = w - view.w_per_metre * light.bias_metres;
+    // Without a length there is nothing to lose, however near the light is.
+    let reach = if light.bias_metres == 0.0 {
+        0.0
+    } else {
+        view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
+    };
+    let mut magnitude = depth_bias(light, view, point, normal, w) + reach;
+    if light.bias == BIAS_SLOPE {
+        let gradient = magnitude_of_gradient(view, point, normal);
+        let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
+        magnitude += (gradient.x + gradient.y) * texels;
+    }
+    magnitude
+}
+
+pub(super) fn magnitude_of_attenuation(light: &LightPlan, toward: Vec3) -> f32 {
+    let ratio = toward.length() * light.inverse_range;
+    (1.0 + ratio.powi(4)) * (1.0 + light.cone_scale.abs()) / toward.length_squared().max(1e-30)
+}
+
+/// How far the rounding of a texture coordinate may move the lookup, as a number of which it is a unit in the last place.
+pub(super) fn texel_distance(texture: &TextureData, u: f32, v: f32) -> f32 {
+    1.0 + (u * texture.width as f32).abs() + (v * texture.height as f32).abs()
+}
+
+pub(super) fn pairs_of_vectors(random: &mut Random) -> Vec<f32> {
+    let edges = [
+        [0.0; 6],
+        [1.0, 2.0, 3.0, 1.0, 2.0, 3.0],
+        [1.0, 2.0, 3.0, -1.0, -2.0, -3.0],
+        [1e15, 0.0, 0.0, 0.0, 1e15, 1e-15],
+        // Cancels but for the rounding of the products.
+        [1.1, 1.3, 0.0, 1.3, -1.1, 0.0],
+    ];
+    random.groups(&edges, |random| random.numbers(10.0))
+}
+
+/// A triangle and a ray that, but for every eighth, is aimed at a point of it or just beside.
+pub(super) fn rays_and_triangles(random: &mut Random) -> [f32; 15] {
+    let origin = random.vector(20.0);
+    let v0 = random.vector(10.0);
+    // Down to triangles of a millimetre.
+    let size = [10.0, 1.0, 1e-3][random.below(3) as usize];
+    let (v1, v2) = (v0 + random.vector(size), v0 + random.vector(size));
+    let target = v0 + (v1 - v0) * random.within(-0.1, 1.1) + (v2 - v0) * random.within(-0.1, 0.6);
+    let direction = if random.below(8) == 0 { random.vector(1.0) } else { target - origin };
+    let mut group = [0.0; 15];
+    for (index, vector) in [origin, direction, v0, v1, v2].into_iter().enumerate() {
+        vector.write_to_slice(&mut group[3 * index..]);
+    }
+    group
+}
+
+/// Triangles without area, seen edge-on, and rays without a direction.
+pub(super) fn degenerate_triangles() -> Vec<[f32; 15]> {
+    let (o, x, y, z) = (Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z);
+    let cases = [
+        [z, -z, x, x, x],
+        [z, -z, o, z, x],
+        [z, -z, o, x, 2.0 * x],
+        [z, o, o, x, y],
+        [5.0 * x + z, -z, o, x, y],
+        [z, z, o, x, y],
+    ];
+    cases
+        .map(|case| {
+            let mut group = [0.0; 15];
+            for (index, vector) in case.into_iter().enumerate() {
+                vector.write_to_slice(&mut group[3 * index..]);
+            }
+            group
+        })
+        .to_vec()
+}
+
+/// Numbers that are the same in every run: splitmix64, seeded by a name.
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    pub(super) fn new(name: &str) -> Self {
+        // FNV-1a.
+        Self(name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)))
+    }
+
+    pub(super) fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ x >> 31) >> 32) as u32
+    }
+
+    /// An integer from 0 to below `end`.
+    pub(super) fn below(&mut self, end: u32) -> u32 {
+        ((u64::from(self.bits()) * u64::from(end)) >> 32) as u32
+    }
+
+    /// A number from 0 to below 1.
+    pub(super) fn unit(&mut self) -> f32 {
+        (self.bits() >> 8) as f32 / 16_777_216.0
+    }
+
+    pub(super) fn within(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    pub(super) fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::from(self.numbers(size))
+    }
+
+    pub(super) fn numbers<const N: usize>(&mut self, size: f32) -> [f32; N] {
+        std::array::from_fn(|_| self.within(-size, size))
+    }
+
+    /// A positive normal number of any size.
+    pub(super) fn positive(&mut self) -> f32 {
+        f32::from_bits(0x0080_0000 + self.below(0x7f00_0000))
+    }
+
+    /// A bias as plans have it: often none, sometimes so large that all is lit.
+    pub(super) fn bias(&mut self) -> f32 {
+        [0.0, self.unit() * 0.01, 1.0, self.unit()][self.below(4) as usize]
+    }
+
+    /// The edge cases and then random groups, [`COUNT`] in all.
+    pub(super) fn groups<const N: usize>(
+        &mut self,
+        edges: &[[f32; N]],
+        mut group: impl FnMut(&mut Self) -> [f32; N],
+    ) -> Vec<f32> {
+        let mut inputs = edges.concat();
+        while inputs.len() < N * COUNT {
+            inputs.extend(group(self));
+        }
+        inputs
+    }
+}

@@ -1,0 +1,203 @@
+//! The program itself, as its users run it.
+
+use std::{
+    env,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+};
+
+use serde_json::Value;
+use shadow_gpu::DriverRules;
+use shadow_tests::renderers;
+
+/// The program, built once in the profile of the tests.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        // Tests run from the folder `deps` beside the programs of their profile.
+        let tests = env::current_exe().expect("the tests know where they are");
+        let profile = tests.parent().and_then(Path::parent).expect("the tests lie in a profile's folder");
+        let is_release = profile.file_name().is_some_and(|name| name == "release");
+        let target = profile.parent().expect("a profile lies in a target folder");
+        let mut build = Command::new(env!("CARGO"));
+        build.args(["build", "--package", "shadow-cli", "--target-dir"]).arg(target);
+        if is_release {
+            build.arg("--release");
+        }
+        assert!(build.status().expect("cargo runs").success(), "the program builds");
+        profile.join(format!("shadow{}", env::consts::EXE_SUFFIX))
+    })
+}
+
+/// A folder of a test's own, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = env::temp_dir().join(format!("shadow-tests-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("the temporary folder can be written");
+        Self(path)
+    }
+
+    /// Runs the program in the folder.
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(program()).args(arguments).current_dir(&self.0).output().expect("the program runs")
+    }
+
+    /// Runs the program, which must succeed, and reads what it prints as JSON.
+    fn json(&self, arguments: &[&str]) -> Value {
+        let output = self.run(arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {stderr}");
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}"))
+    }
+
+    /// Runs the program, which must refuse, and gives its sentence.
+    fn refusal(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(output.stdout.is_empty(), "{arguments:?}: nothing is printed beside the error");
+        assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
+        stderr
+    }
+
+    fn picture(&self, name: &str) -> image::RgbImage {
+        image::open(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}")).into_rgb8()
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).expect("the folder can be read");
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn without_arguments_it_draws_the_demo_and_says_where() {
+    let folder = Folder::new("demo");
+    let output = folder.run(&[]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("shadow.png"));
+    assert_eq!(folder.files(), ["shadow.png"], "and leaves nothing else behind");
+    let picture = folder.picture("shadow.png");
+    assert_eq!(picture.dimensions(), (1280, 720));
+    let colors: std::collections::HashSet<_> = picture.pixels().collect();
+    assert!(colors.len() > 1000, "a picture, not a blank: {} colours", colors.len());
+}
+
+#[test]
+fn both_backends_draw_the_same_picture() {
+    let folder = Folder::new("backends");
+    for backend in ["cpu", "gpu"] {
+        let file = format!("{backend}.png");
+        let report = folder.json(&["render", "--backend", backend, "--size", "320x180", "--output", &file, "--json"]);
+        assert_eq!(report["backend"], backend);
+        assert_eq!(report["adapter"].is_null(), backend == "cpu");
+        assert_eq!((report["width"].as_u64(), report["height"].as_u64()), (Some(320), Some(180)));
+        assert!(report["triangles"].as_u64().is_some_and(|count| count > 1000));
+        let times = &report["milliseconds"];
+        for stage in ["prepare", "shadow_maps", "camera", "shading", "total"] {
+            assert!(times[stage].as_f64().is_some_and(|time| time >= 0.0), "{stage} in {times}");
+        }
+        assert_eq!(report["output"], file);
+    }
+    let (cpu, gpu) = (folder.picture("cpu.png"), folder.picture("gpu.png"));
+    let steps = |(a, b): (&u8, &u8)| a.abs_diff(*b);
+    let far_apart = cpu.as_raw().iter().zip(gpu.as_raw()).map(steps).filter(|&steps| steps > 1).count();
+    let allowed = if renderers::gpu().adapter().rules == DriverRules::Lavapipe22 { 0 } else { cpu.as_raw().len() / 1000 };
+    assert!(far_apart <= allowed, "{far_apart} channels differ");
+}
+
+#[test]
+fn compare_reports_every_layer() {
+    let folder = Folder::new("compare");
+    let report = folder.json(&["compare", "--size", "160x90", "--map-size", "256", "--output", "layers", "--json"]);
+    assert_eq!(report["agree"], true);
+    let is_exact = renderers::gpu().adapter().rules == DriverRules::Lavapipe22;
+    assert_eq!(report["contract"], if is_exact { "exact" } else { "tolerance" });
+    let layers = report["layers"].as_array().expect("there are layers");
+    let names: Vec<_> = layers.iter().filter_map(|layer| layer["name"].as_str()).collect();
+    assert_eq!(names, ["triangle", "depth", "shadow-map:0:0", "shadow-map:1:0", "visibility:0", "visibility:1", "color"]);
+    for layer in layers {
+        for field in ["pixels", "differing", "left_out", "max_difference", "within_contract"] {
+            assert!(!layer[field].is_null(), "{field} of {layer}");
+        }
+    }
+    assert!(folder.0.join("layers/shadow-map-0-0-difference.png").exists(), "{:?}", folder.files());
+}
+
+#[test]
+fn the_plan_names_its_matrices_and_lengths() {
+    let folder = Folder::new("plan");
+    let light = "point:pos=0,3,0;cd=100;range=20";
+    let report = folder.json(&["plan", "--light", light, "--bias", "constant", "--bias-constant", "0.02", "--json"]);
+    let views = report["lights"][0]["views"].as_array().expect("the light has views");
+    assert_eq!(views.len(), 6, "a point light has the faces of a cube");
+    for view in views {
+        let rows = view["clip_from_world"].as_array().expect("the matrix is a list of rows");
+        assert_eq!(rows.iter().map(|row| row.as_array().map_or(0, Vec::len)).collect::<Vec<_>>(), [4, 4, 4, 4]);
+    }
+}
+
+#[test]
+fn devices_lists_the_adapter_of_the_tests() {
+    let folder = Folder::new("devices");
+    let report = folder.json(&["devices", "--json"]);
+    let name = renderers::gpu().adapter().name.clone();
+    assert!(report.to_string().contains(&name), "{name} in {report}");
+}
+
+/// Every refusal names what is wrong and what to do instead, and leaves no file behind.
+#[test]
+fn wrong_requests_are_refused_with_a_sentence() {
+    let folder = Folder::new("refusals");
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["render", "missing.glb"], &["missing.glb"]),
+        (&["render", "--size", "0x10"], &["0x10", "16384"]),
+        (&["render", "--map-size", "1"], &["16"]),
+        (&["render", "--map-size", "100000"], &["16384"]),
+        (&["render", "--bias", "none", "--bias-constant", "1"], &["--bias-constant"]),
+        (&["render", "--bias", "constant", "--bias-constant", "-1"], &["-1"]),
+        (&["render", "--light", "laser:pos=0,0,0"], &["laser", "directional", "spot", "point"]),
+        (&["render", "--light", "point:pos=0,0,0"], &["cd"]),
+        (&["render", "--light", "spot:pos=0,1,0;dir=0,-1,0;outer=95;cd=1"], &["95", "90"]),
+        (&["render", "--light", "directional:dir=0,0,0;lux=1"], &["direction"]),
+        (&["render", "--camera", "eye=1,1,1;target=1,1,1"], &["direction"]),
+        (&["render", "--camera", "9"], &["9", "camera"]),
+        (&["render", "--exposure", "nan"], &["nan"]),
+        (&["render", "--show", "visibility:7"], &["7", "2 lights"]),
+        (&["render", "--output", "picture.bmp"], &["bmp", "png"]),
+        (&["render", "--backend", "gpu", "--adapter", "no such adapter"], &["no such adapter"]),
+        (&["compare", "--backends", "cpu,cpu"], &["itself"]),
+    ];
+    for (arguments, words) in cases {
+        let sentence = folder.refusal(arguments).to_lowercase();
+        for word in *words {
+            assert!(sentence.contains(&word.to_lowercase()), "{arguments:?}: `{word}` is not in: {sentence}");
+        }
+    }
+    assert!(folder.files().is_empty(), "{:?}", folder.files());
+}
+
+/// What every command's help must teach: its options, and at least one example.
+#[test]
+fn help_teaches() {
+    let folder = Folder::new("help");
+    for command in ["render", "compare", "plan"] {
+        let output = folder.run(&[command, "--help"]);
+        let help = String::from_utf8_lossy(&output.stdout);
+        for part in ["Examples:", "--light", "--camera", "--map-size", "--bias", "lux", "cd"] {
+            assert!(help.contains(part), "`{part}` in the help of {command}");
+        }
+    }
+}
