@@ -3,7 +3,7 @@
 //! This crate says where the samples of a shadow map go, how much bias a lookup needs, how depth tests are averaged and
 //! what a lit pixel looks like.
 //! It draws nothing: a renderer asks it for a [`plan`] (plain data, computed once a frame), renders the maps that the plan
-//! describes, and calls [`visibility`] for every receiver.
+//! describes, and calls [`visibility()`] for every receiver.
 //!
 //! ```
 //! use shadow_math::{Light, LightKind, ShadowSettings, bounds::Aabb, plan};

@@ -24,6 +24,10 @@ pub const SPECULAR_REFLECTANCE: f32 = 0.04;
 /// shader compiler may join a product of several.
 pub const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
 
+/// A highlight below this, 2^-60, counts as none. It could not be seen; but its product with the rest can become a subnormal number, which
+/// some hardware flushes to zero.
+pub const MIN_HIGHLIGHT: f32 = 8.673_617_4e-19;
+
 /// What the camera sees where there is nothing: linear colour after exposure, a pale sky.
 pub const BACKGROUND: [f32; 3] = [0.42, 0.55, 0.72];
 
@@ -75,7 +79,10 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
     let cosine = surface.normal.dot(direction).max(0.0);
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
-    let highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
+    let mut highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
+    if highlight < MIN_HIGHLIGHT {
+        highlight = 0.0;
+    }
     // A constant factor comes before the variable ones: shader compilers move it there.
     let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
     let reflected = surface.base_color * INVERSE_PI + Vec3::new(specular, specular, specular);

@@ -331,7 +331,7 @@ pub fn sun() -> Light {
     }
 }
 
-/// A perspective camera that sees the whole of `bounds` from the front, the right and above.
+/// A perspective camera that sees the whole of `bounds` from the front, the right and above, as near as a square picture allows.
 ///
 /// `bounds` must not be empty; a single point is framed as if it were a millimetre wide.
 #[must_use]
@@ -342,17 +342,24 @@ pub fn framing_camera(bounds: Aabb) -> Camera {
     const NEAR_SHARE: f64 = 1e-3;
     /// A radius below this, in metres, is taken for it.
     const MIN_RADIUS: f64 = 5e-4;
+    /// How much farther away than the corners demand: a margin around the picture.
+    const MARGIN: f64 = 1.05;
     let radius = f64::from(bounds.radius()).max(MIN_RADIUS);
     let center = bounds.center().as_dvec3();
-    let distance = radius / (0.5 * VERTICAL_FOV).sin();
     let toward_eye = DVec3::new(0.6, 0.55, 1.0).normalize();
+    let orientation = shadow_math::camera::world_from_view_rotation(-toward_eye);
+    let slope = (0.5 * VERTICAL_FOV).tan();
+    // A corner at (x, y, z) in view axes around the middle is seen from a distance of at least its x or y over the slope, plus z.
+    let distance = bounds
+        .corners()
+        .into_iter()
+        .map(|corner| orientation.inverse() * (corner.as_dvec3() - center))
+        .map(|corner| corner.x.abs().max(corner.y.abs()) / slope + corner.z)
+        .fold(radius, f64::max)
+        * MARGIN;
     let projection =
         Projection::Perspective { vertical_fov: VERTICAL_FOV, near: distance * NEAR_SHARE, far: Some(distance + 2.0 * radius) };
-    Camera {
-        eye: center + distance * toward_eye,
-        orientation: shadow_math::camera::world_from_view_rotation(-toward_eye),
-        projection,
-    }
+    Camera { eye: center + distance * toward_eye, orientation, projection }
 }
 
 /// The origin for a scene with these bounds, in metres of world space: zero, unless the scene lies so far from it

@@ -7,5 +7,6 @@ mod comparator;
 mod rasterizer;
 mod analytic;
 mod slope_bias;
+mod limits;
 mod agreement;
 mod program;

@@ -221,41 +221,52 @@ fn sample_case(kind: usize, filter: Filter) -> Case {
     }
 }
 
-/// The same on the GPU: its own map, its own lookup.
+/// The least visibility of these receivers on the GPU: its own map, its own lookup.
+fn least_on_gpu(plane: &LitPlane, receivers: &[Receiver]) -> f32 {
+    let gpu = renderers::gpu();
+    let depths: Vec<f32> = pollster::block_on(async {
+        let scene = gpu.upload(&plane.scene).await.expect("the scene fits");
+        let maps = gpu.shadow_maps(&scene, &plane.plan).await.expect("the maps fit");
+        let mut depths = Vec::new();
+        for layer in 0..plane.plan.views.len() as u32 {
+            depths.extend(gpu.read_map(&maps, layer).await.expect("the map can be read"));
+        }
+        depths
+    });
+    let globals = Globals {
+        lights: plane.plan.lights.clone(),
+        views: plane.plan.views.clone(),
+        map_size: plane.plan.map_size,
+        depths,
+        ..Globals::default()
+    };
+    let inputs: Vec<f32> =
+        receivers.iter().flat_map(|receiver| [receiver.point.to_array(), receiver.normal.to_array()].concat()).collect();
+    let statements = "output(0u, visibility(0u, Receiver(input3(0u), input3(3u))));";
+    evaluate(gpu, &globals, statements, &inputs, 6, 1).into_iter().fold(1.0, f32::min)
+}
+
+/// The same on the GPU.
 #[test]
 fn the_gpu_needs_the_same_bias() {
-    let gpu = renderers::gpu();
     for kind in 0..3 {
         for filter in [Filter::Hard, Filter::Bilinear] {
             for (scale, is_enough) in [(1.0, true), (0.98, false)] {
                 let plane = lit_plane(&sample_case(kind, filter), scale);
-                let receivers = plane.receivers();
-                let depths: Vec<f32> = pollster::block_on(async {
-                    let scene = gpu.upload(&plane.scene).await.expect("the scene fits");
-                    let maps = gpu.shadow_maps(&scene, &plane.plan).await.expect("the maps fit");
-                    let mut depths = Vec::new();
-                    for layer in 0..plane.plan.views.len() as u32 {
-                        depths.extend(gpu.read_map(&maps, layer).await.expect("the map can be read"));
-                    }
-                    depths
-                });
-                let globals = Globals {
-                    lights: plane.plan.lights.clone(),
-                    views: plane.plan.views.clone(),
-                    map_size: plane.plan.map_size,
-                    depths,
-                    ..Globals::default()
-                };
-                let inputs: Vec<f32> = receivers
-                    .iter()
-                    .flat_map(|receiver| [receiver.point.to_array(), receiver.normal.to_array()].concat())
-                    .collect();
-                let statements = "output(0u, visibility(0u, Receiver(input3(0u), input3(3u))));";
-                let least = evaluate(gpu, &globals, statements, &inputs, 6, 1).into_iter().fold(1.0, f32::min);
+                let least = least_on_gpu(&plane, &plane.receivers());
                 assert_eq!(least == 1.0, is_enough, "light {kind}, {filter:?}, scale {scale}: {least}");
             }
         }
     }
+    let mut runner = TestRunner::new(ProptestConfig { cases: 24, ..ProptestConfig::default() });
+    let result = runner.run(&case(MIN_COSINE..1.0), |case| {
+        let plane = lit_plane(&case, 1.0);
+        let receivers = plane.receivers();
+        prop_assume!(!receivers.is_empty());
+        prop_assert_eq!(least_on_gpu(&plane, &receivers), 1.0);
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// The bound on rounding stays a small part of a texel's slope where scenes usually are, so that it opens no gap of its own.

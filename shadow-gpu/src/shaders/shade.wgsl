@@ -3,6 +3,7 @@
 const INVERSE_PI: f32 = 0.318309886;
 const SPECULAR_REFLECTANCE: f32 = 0.04;
 const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
+const MIN_HIGHLIGHT: f32 = 8.6736174e-19;
 const BACKGROUND: vec3f = vec3f(0.42, 0.55, 0.72);
 
 struct Surface {
@@ -37,7 +38,10 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
     let cosine = max(dot3(surface.normal, direction), 0.0);
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
-    let highlight = approx_pow(max(dot3(surface.normal, half_way), 0.0), surface.shininess);
+    var highlight = approx_pow(max(dot3(surface.normal, half_way), 0.0), surface.shininess);
+    if highlight < MIN_HIGHLIGHT {
+        highlight = 0.0;
+    }
     // A constant factor comes before the variable ones: shader compilers move it there.
     let specular = (surface.shininess + 8.0) * SPECULAR_SCALE * highlight;
     let reflected = surface.base_color * INVERSE_PI + vec3f(specular, specular, specular);

@@ -10,8 +10,8 @@ pub const SUBPIXEL_STEP: f64 = 1.0 / 16.0;
 /// which order the interpolation is computed, nor from which vertex.
 pub const DEPTH: f64 = 1.0 / (1_u32 << 20) as f64;
 
-/// Coverage may differ in one sample of this many: the share of samples that lie within a sub-pixel step of an edge and are hit by a different
-/// rounding of it. Measured with one changed rule: 1 in 1,000,000 to 1 in 150,000 of a dense scene's samples.
+/// Coverage may differ in one sample of this many. Drivers that snap to the same grid differ where an edge passes within rounding of a sample:
+/// at about 20 of 300,000 samples in soups of 20,000 random triangles, whose edges are far denser than those of scenes.
 pub const COVERAGE_ONE_IN: usize = 100_000;
 
 /// Visibility agrees within this where it is not left out: what an 8-bit picture can show.
