@@ -1,8 +1,8 @@
 //! Scenes whose shadows follow from geometry.
 
-use glam::{DQuat, DVec3};
-use shadow_math::{Bias, Camera, Filter, Projection, ShadowSettings, triangle::pixel_ray};
-use shadow_scene::{Frame, FramePlan, LayerName, Request, Scene, builtin};
+use glam::{DQuat, DVec3, Vec3};
+use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split, bounds::Aabb, triangle::pixel_ray};
+use shadow_scene::{Frame, FramePlan, LayerName, Request, Scene, SceneLight, builtin};
 use shadow_tests::renderers;
 
 /// A camera straight above the origin that sees `half_height` metres to either side.
@@ -74,6 +74,89 @@ fn the_shadow_of_a_box_has_the_outline_that_geometry_gives() {
     assert!(in_shadow > 3000, "the shadow is in the picture: {in_shadow}");
     assert!(left_out < in_shadow / 4, "the outline is thin: {left_out} of {in_shadow}");
     assert_eq!(wrong, 0);
+}
+
+/// Whether the segment between two points meets a box: the slabs of its axes (Kay and Kajiya 1986), in f64.
+fn meets_box(from: DVec3, to: DVec3, bounds: Aabb) -> bool {
+    let direction = to - from;
+    let (a, b) = ((bounds.min.as_dvec3() - from) / direction, (bounds.max.as_dvec3() - from) / direction);
+    let enter = a.min(b).max_element().max(0.0);
+    let leave = a.max(b).min_element().min(1.0);
+    enter < leave
+}
+
+/// The shadow of the box under every kind of light, also through the seams of a cube, is where segments to the light meet the box.
+#[test]
+fn the_shadow_of_a_box_is_where_rays_to_the_light_meet_it() {
+    let scene = builtin::box_on_plane();
+    let box_bounds = scene.instances().iter().map(|instance| instance.bounds).find(|bounds| bounds.max.y > 1.0).expect("the box");
+    // Every light lies off the axes, where the slabs would divide by zero.
+    let position = Vec3::new(1.9, 3.3, -1.3);
+    let down = Vec3::new(-0.45, -1.0, 0.3);
+    let spot = |outer| LightKind::Spot { position, direction: down, inner: 0.1, outer, range: None };
+    let cases = [
+        ("directional", LightKind::Directional { direction: down }, Split::Single),
+        ("spot", spot(1.1), Split::Single),
+        ("spot in a cube", spot(1.1), Split::Cube),
+        ("wide spot", spot(1.5), Split::Single),
+        ("point", LightKind::Point { position, range: None }, Split::Single),
+        // Level with the box: its shadow leaves through the side faces of the cube.
+        ("low point", LightKind::Point { position: Vec3::new(3.1, 1.2, 0.4), range: None }, Split::Single),
+    ];
+    for (name, kind, split) in cases {
+        let light = Light { kind, color: Vec3::ONE, intensity: 1000.0 };
+        let scene = scene.clone().with_lights(vec![SceneLight { name: name.into(), light }]);
+        let settings = ShadowSettings { filter: Filter::Hard, split, map_size: 2048, ..ShadowSettings::default() };
+        let plan = FramePlan::new(&scene, &from_above(6.0), &settings, PIXELS, PIXELS, None).expect("the scene can be planned");
+        let renderer = renderers::cpu();
+        let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
+        let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("the layer was asked for");
+        let triangles = frame.triangles().expect("the layer was asked for");
+        let (mut wrong, mut left_out, mut in_shadow, mut tested) = (0, 0, 0, 0);
+        for (i, (&visibility, &triangle)) in visibility.iter().zip(triangles).enumerate() {
+            let ray = pixel_ray(&plan.camera.rays, (i as u32 % PIXELS) as f32 + 0.5, (i as u32 / PIXELS) as f32 + 0.5);
+            if triangle == u32::MAX {
+                continue;
+            }
+            let point = scene.point(triangle, ray).point.as_dvec3();
+            let toward = match kind {
+                LightKind::Directional { direction } => direction.as_dvec3() * -100.0,
+                LightKind::Spot { position, .. } | LightKind::Point { position, .. } => position.as_dvec3() - point,
+            };
+            let cosine = toward.normalize().y;
+            let in_cone = match kind {
+                LightKind::Spot { outer, .. } => (-toward.normalize()).dot(down.as_dvec3().normalize()) > f64::from(outer).cos(),
+                _ => true,
+            };
+            // Only the ground, where the light reaches it at no less than 6 degrees.
+            if point.y.abs() > 1e-6 || cosine < 0.1 || !in_cone {
+                continue;
+            }
+            // A texel's diagonal on the ground: its size at the light's distance, stretched by the slope; and what the bias lifts.
+            let metres = f64::from(plan.views[0].texel_metres[0].max(plan.views[0].texel_metres[1]));
+            let distance = if plan.views[0].w_per_metre > 0.0 { toward.length() } else { 1.0 };
+            let blur = 3.0 * metres * distance / cosine + 0.01;
+            let shadowed = |dx: f64, dz: f64| {
+                let start = point + DVec3::new(dx, 0.0, dz);
+                let light = match kind {
+                    LightKind::Directional { .. } => start + toward,
+                    _ => point + toward,
+                };
+                meets_box(start, light, box_bounds)
+            };
+            let expected = shadowed(0.0, 0.0);
+            tested += 1;
+            in_shadow += usize::from(expected);
+            let steps = [-blur, 0.0, blur];
+            if steps.iter().any(|&dx| steps.iter().any(|&dz| shadowed(dx, dz) != expected)) {
+                left_out += 1;
+            } else {
+                wrong += usize::from((visibility == 0.0) != expected);
+            }
+        }
+        assert_eq!(wrong, 0, "{name}: of {tested} pixels, {in_shadow} in shadow, {left_out} left out");
+        assert!(in_shadow > 2000 && left_out < tested / 8, "{name}: {in_shadow} in shadow, {left_out} of {tested} left out");
+    }
 }
 
 #[test]
