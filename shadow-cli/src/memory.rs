@@ -9,8 +9,8 @@ const GIB: u64 = 1 << 30;
 /// One MiB in bytes.
 const MIB: u64 = 1 << 20;
 
-/// The most memory that pictures and shadow maps may take: 16 GiB. The largest map (1 GiB) then still works for a point light (six),
-/// and a larger request is more likely a slip of the hand than a plan.
+/// The most memory that pictures and shadow maps may take: 16 GiB. The largest map (1 GiB) can then still be drawn for a point light
+/// (six), and a larger request is more likely a slip of the hand than a plan.
 const LIMIT: u64 = 16 * GIB;
 
 /// Bytes of a pixel in every frame: triangle and depth (4 each), colour (16), and the written picture (4).

@@ -39,12 +39,13 @@ impl Job {
         let settings = settings(args)?;
         let (scene_name, scene) = load(args.scene.as_ref(), console)?;
         let scene = with_chosen_lights(scene, args)?;
-        let notes = notes(&scene, args.camera.is_none());
+        let mut notes = notes(&scene, args.camera.is_none());
+        let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
+        let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
+        notes.extend(plan.notes.iter().cloned());
         for note in &notes {
             console.note(note);
         }
-        let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
-        let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
         Ok(Self { scene_name, scene, notes, camera_name, settings, plan })
     }
 

@@ -58,7 +58,7 @@ impl PreparedScene<'_> {
 }
 
 /// What the camera sees: the visibility buffer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraBuffer {
     /// The triangle of each pixel.
     pub triangles: Vec<u32>,
@@ -179,18 +179,20 @@ impl CpuRenderer {
         self.pool.install(|| resolve_color(prepared.view(), plan, &camera.triangles, visibility))
     }
 
-    /// Renders a frame: all stages in a row.
+    /// Renders a frame: all stages that the layers asked for need, in a row.
     ///
     /// # Errors
     ///
     /// [`CpuError::PictureSize`].
     pub fn render(&self, prepared: &PreparedScene<'_>, plan: &FramePlan, request: Request) -> Result<Rendered, CpuError> {
         let start = Instant::now();
-        let camera = self.camera(prepared, plan)?;
+        let needs_visibility = request.visibility || request.color;
+        let camera = if request.camera || needs_visibility { self.camera(prepared, plan)? } else { CameraBuffer::default() };
         let camera_done = Instant::now();
-        let maps = self.shadow_maps(prepared, plan);
+        let needs_maps = request.shadow_maps || needs_visibility;
+        let maps = if needs_maps { self.shadow_maps(prepared, plan) } else { ShadowMaps::default() };
         let maps_done = Instant::now();
-        let visibility = self.visibility(prepared, plan, &camera, &maps);
+        let visibility = if needs_visibility { self.visibility(prepared, plan, &camera, &maps) } else { Vec::new() };
         let color = request.color.then(|| self.color(prepared, plan, &camera, &visibility));
         let shading_done = Instant::now();
         let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;

@@ -4,7 +4,7 @@ use bytemuck::Pod;
 
 use crate::{
     error::GpuError,
-    wait::{promise, run_callbacks},
+    wait::{driver_error, promise, run_callbacks},
 };
 
 /// The contents of a buffer that has `COPY_SRC`, as numbers.
@@ -26,11 +26,14 @@ pub(crate) async fn read_buffer<T: Pod>(
     queue.submit([encoder.finish()]);
     let (promise, pending) = promise();
     staging.slice(..).map_async(wgpu::MapMode::Read, move |result| promise.keep(result));
-    run_callbacks(device);
-    let failed = |message: String| GpuError::Driver { adapter: device.adapter_info().name, message };
-    pending.await.map_err(|error| failed(format!("reading a buffer back failed: {error}")))?;
-    let view =
-        staging.slice(..bytes).get_mapped_range().map_err(|error| failed(format!("reading a buffer back failed: {error}")))?;
+    run_callbacks(device)?;
+    let failed = |message: String| driver_error(device, format!("reading a buffer back failed: {message}"));
+    match pending.await {
+        Some(Ok(())) => {}
+        Some(Err(error)) => return Err(failed(error.to_string())),
+        None => return Err(failed("it never answered".into())),
+    }
+    let view = staging.slice(..bytes).get_mapped_range().map_err(|error| failed(error.to_string()))?;
     // The mapped memory need not be aligned for T.
     let mut values = vec![T::zeroed(); count];
     bytemuck::cast_slice_mut::<T, u8>(&mut values).copy_from_slice(&view);

@@ -111,6 +111,14 @@ impl GpuRenderer {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
         }));
+        let slot = Arc::clone(&driver_error);
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device at the end is no error.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                let message = format!("the device was lost: {message}");
+                slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+            }
+        });
         let pipelines = Pipelines::new(&device);
         let renderer = Self { summary, device, queue, pipelines, driver_error };
         renderer.check_driver()?;
@@ -149,7 +157,7 @@ impl GpuRenderer {
     /// Submits a stage and waits until the GPU has done it.
     async fn finish(&self, encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
         self.queue.submit([encoder.finish()]);
-        submitted_work(&self.device, &self.queue).await;
+        submitted_work(&self.device, &self.queue).await?;
         self.check_driver()
     }
 
@@ -513,7 +521,7 @@ impl GpuRenderer {
         read_buffer(&self.device, &self.queue, &color.buffer, pixel_count(plan)).await
     }
 
-    /// Renders a frame: all stages in a row.
+    /// Renders a frame: all stages that the layers asked for need, in a row.
     ///
     /// # Errors
     ///
@@ -535,15 +543,23 @@ impl GpuRenderer {
         maps: Option<GpuMaps>,
     ) -> Result<Rendered, GpuError> {
         let start = Instant::now();
-        let camera = self.camera(scene, plan).await?;
+        let needs_visibility = request.visibility || request.color;
+        let camera = if request.camera || needs_visibility { Some(self.camera(scene, plan).await?) } else { None };
         let camera_done = Instant::now();
         let maps = match maps {
-            Some(maps) => maps,
-            None => self.shadow_maps(scene, plan).await?,
+            Some(maps) => Some(maps),
+            None if request.shadow_maps || needs_visibility => Some(self.shadow_maps(scene, plan).await?),
+            None => None,
         };
         let maps_done = Instant::now();
-        let visibility = self.visibility(scene, plan, &camera, &maps).await?;
-        let color = if request.color { Some(self.color(scene, plan, &camera, &visibility).await?) } else { None };
+        let visibility = match (&camera, &maps) {
+            (Some(camera), Some(maps)) if needs_visibility => Some(self.visibility(scene, plan, camera, maps).await?),
+            _ => None,
+        };
+        let color = match (&camera, &visibility) {
+            (Some(camera), Some(visibility)) if request.color => Some(self.color(scene, plan, camera, visibility).await?),
+            _ => None,
+        };
         let shading_done = Instant::now();
         let times = StageTimes {
             prepare: 0.0,
@@ -554,22 +570,22 @@ impl GpuRenderer {
 
         let (width, height) = (plan.camera.width, plan.camera.height);
         let mut layers = Vec::new();
-        if request.camera {
-            let (ids, depth) = self.read_camera(&camera).await?;
+        if let (true, Some(camera)) = (request.camera, &camera) {
+            let (ids, depth) = self.read_camera(camera).await?;
             layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(ids) });
             layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(depth) });
         }
-        if request.shadow_maps {
+        if let (true, Some(maps)) = (request.shadow_maps, &maps) {
             for (light, light_plan) in (0..).zip(&plan.lights) {
                 for view in 0..light_plan.view_count {
-                    let depths = self.read_map(&maps, light_plan.first_view + view).await?;
+                    let depths = self.read_map(maps, light_plan.first_view + view).await?;
                     let name = LayerName::ShadowMap { light, view };
                     layers.push(Layer { name, width: plan.map_size, height: plan.map_size, pixels: Pixels::Float(depths) });
                 }
             }
         }
-        if request.visibility {
-            let values = self.read_visibility(&visibility, plan).await?;
+        if let (true, Some(visibility)) = (request.visibility, &visibility) {
+            let values = self.read_visibility(visibility, plan).await?;
             for light in 0..plan.lights.len() {
                 let of_light = values.iter().skip(light).step_by(plan.lights.len()).copied().collect();
                 let name = LayerName::Visibility { light: light as u32 };

@@ -7,7 +7,7 @@ mod depth_range;
 mod uniform;
 
 pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
-pub use depth_range::{DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, range_along_axis, range_around_point};
+pub use depth_range::{DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, range_around_point, range_in_view};
 pub use uniform::{directional_view, spot_view};
 
 use glam::DMat4;

@@ -9,6 +9,9 @@ use glam::Vec3;
 /// Wider cones take cube faces.
 pub const MAX_SINGLE_MAP_OUTER_ANGLE: f32 = 70.0 * core::f32::consts::PI / 180.0;
 
+/// The brightest light, in lux or candela for each channel: beyond it products of f32 with it would overflow near the light.
+pub const MAX_BRIGHTNESS: f32 = 1e12;
+
 /// What kind of light it is, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -69,7 +72,7 @@ pub enum LightError {
     },
     /// The range is not a positive number of metres.
     Range(f32),
-    /// The colour or the intensity is negative or not finite.
+    /// The colour or the intensity is negative or not finite, or their product is above [`MAX_BRIGHTNESS`].
     Brightness,
 }
 
@@ -90,7 +93,10 @@ impl core::fmt::Display for LightError {
                     "the light's range is {range} m; it must be a positive number (leave it out for a light without a limit)"
                 )
             }
-            Self::Brightness => f.write_str("the light's colour and intensity must be finite and not negative"),
+            Self::Brightness => write!(
+                f,
+                "the light's colour and intensity must be finite and not negative, and their product at most {MAX_BRIGHTNESS:e} (a clear day has 1e5 lux, a lighthouse 1e7 candela)"
+            ),
         }
     }
 }
@@ -129,7 +135,9 @@ impl Light {
                 Err(LightError::Direction(direction))
             }
         };
-        if !(self.color.is_finite() && self.color.min_element() >= 0.0 && self.intensity.is_finite() && self.intensity >= 0.0) {
+        let brightness = self.color * self.intensity;
+        let is_positive = self.color.min_element() >= 0.0 && self.intensity >= 0.0;
+        if !(self.color.is_finite() && self.intensity.is_finite() && is_positive && brightness.max_element() <= MAX_BRIGHTNESS) {
             return Err(LightError::Brightness);
         }
         if let Some(position) = self.position()
@@ -153,6 +161,28 @@ impl Light {
                 }
             }
             LightKind::Point { .. } => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_without_a_meaning_are_refused() {
+        let light = |kind, intensity| Light { kind, color: Vec3::new(10.0, 1.0, 0.0), intensity }.validate();
+        let point = |range| LightKind::Point { position: Vec3::ZERO, range };
+        assert_eq!(light(point(None), 100.0), Ok(()));
+        for brightness in [-1.0, f32::NAN, f32::INFINITY, 3e38] {
+            assert_eq!(light(point(None), brightness), Err(LightError::Brightness), "{brightness}");
+        }
+        assert_eq!(light(point(Some(0.0)), 1.0), Err(LightError::Range(0.0)));
+        assert!(matches!(light(LightKind::Directional { direction: Vec3::ZERO }, 1.0), Err(LightError::Direction(_))));
+        let spot = |inner, outer| LightKind::Spot { position: Vec3::ZERO, direction: Vec3::X, inner, outer, range: None };
+        assert_eq!(light(spot(0.0, core::f32::consts::FRAC_PI_2), 1.0), Ok(()), "90 degrees exactly");
+        for (inner, outer) in [(0.5, 0.5), (-0.1, 0.5), (0.1, 1.6), (0.1, f32::NAN)] {
+            assert!(matches!(light(spot(inner, outer), 1.0), Err(LightError::Cone { .. })), "{inner} to {outer}");
         }
     }
 }

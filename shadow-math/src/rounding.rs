@@ -9,10 +9,13 @@
 //! texels counts as `t (|g1| + |g2|)` of depth, with `g` the plane's depth gradient. So the whole is
 //! `(texels + texels_over_w / w) (|g1| + |g2|) + depth + depth_over_w / w`.
 //!
-//! What the bound assumes: the depth plane of a triangle is evaluated from a vertex of it in f32, as every rasteriser here does.
-//! Its slopes are a quotient by the triangle's area; for a triangle with longest side `l` and height `h`
-//! in the map they are off by some `u l / h` of themselves. The bound holds for `l / h` up to [`MAX_TRIANGLE_ASPECT`]; a sliver beyond
-//! can be off by more over its own length.
+//! A rasteriser evaluates the depth plane of a triangle from one of its vertices, with slopes that are quotients by the triangle's area.
+//! Let `L` be its longest side, `h` its height over it, both in texels on the triangle's own plane, and `g` the plane's slope. The two terms of
+//! a slope are at most `g L / h` each and pass through four roundings, the area's two through two more, so over a length `L` depth is off by at
+//! most `12 u g L^2 / h`: 12 u L^2 / h texels. That has no bound over all triangles. The bound here holds where `L^2 / h` is at most
+//! [`MAX_TRIANGLE_LENGTH`] times the size of the map: any well-shaped triangle, a fan of up to a hundred triangles or eight strips across the whole
+//! map, and slivers of any kind that are short. A longer sliver can shadow itself in single samples: a
+//! disc of 3000 triangles across a map of 2048 texels did in one pixel of 900,000.
 
 use glam::{DMat4, DVec4, Vec3};
 
@@ -24,11 +27,15 @@ pub const UNIT_ROUNDOFF: f64 = 1.0 / (1_u32 << 24) as f64;
 /// The number of roundings in a row of four terms, as the factor of `u N`.
 const ROW_ROUNDINGS: f64 = 4.0;
 
-/// How many roundings of its own size lie between a vertex and a point rebuilt from it: three products and three sums.
+/// How many roundings of the coordinates' size lie between the vertices and a point `v0 + e1 u + e2 v`: with `u + v <= 1` the edges and
+/// products make four, the sums two.
 const POINT_ROUNDINGS: f64 = 6.0;
 
-/// The ratio of a triangle's longest side to its height, in texels of the map, up to which the bound holds.
-pub const MAX_TRIANGLE_ASPECT: f64 = 8.0;
+/// How many roundings of `L^2 / h` the slopes of a depth plane carry: see the [module](self).
+const PLANE_ROUNDINGS: f64 = 12.0;
+
+/// The longest side of a triangle, squared, over its height, both on its own plane, up to which the bound holds: in sizes of the map.
+pub const MAX_TRIANGLE_LENGTH: f64 = 8.0;
 
 /// The bound on rounding of one view: see the [module](self).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,9 +60,8 @@ impl RoundingBound {
         let [x_error, y_error, z_error, w_error] = row_errors(clip_from_world, extent);
         // A map's texel and a receiver's texel are each off by this, hence the factor 2; half the size is texels per unit of NDC.
         let texels_over_w = 2.0 * (0.5 * size) * (x_error.max(y_error) + w_error);
-        // Divisions, the change to texels and the evaluation of the depth plane across the triangle: each rounds at the
-        // size of the map.
-        let texels = (6.0 + MAX_TRIANGLE_ASPECT) * UNIT_ROUNDOFF * size;
+        // Divisions and the change to texels on both sides, which round at the size of the map, and the depth plane's slopes.
+        let texels = (6.0 + PLANE_ROUNDINGS * MAX_TRIANGLE_LENGTH) * UNIT_ROUNDOFF * size;
         let depth_over_w = 2.0 * (z_error + w_error);
         let depth = 6.0 * UNIT_ROUNDOFF;
         // The receiver's point lies off the caster's plane by this many metres, which shows in depth at the rate of a

@@ -1,6 +1,6 @@
 //! Light on surfaces: ambient, Lambert, Blinn-Phong, spot cones, inverse square with range.
 //!
-//! Falloff is that of KHR_lights_punctual; the highlight is Blinn-Phong (Blinn 1977) normalised to reflect no more than it gets.
+//! Falloff is that of KHR_lights_punctual; the highlight is Blinn-Phong (Blinn 1977), normalised.
 //!
 //! Mirrored by `shade.wgsl`.
 
@@ -20,8 +20,8 @@ pub const INVERSE_PI: f32 = core::f32::consts::FRAC_1_PI;
 /// The share of light that a highlight reflects: that of most non-metals seen head-on (an index of refraction of 1.5).
 pub const SPECULAR_REFLECTANCE: f32 = 0.04;
 
-/// The highlight's strength over `n + 8`: with `(n + 8) / (8 pi)` no exponent n reflects more light than arrives. One constant, since a
-/// shader compiler may join a product of several.
+/// The highlight's strength over `n + 8`: `(n + 8) / (8 pi)` normalises it to within 8 %: seen head-on, the most that is reflected of what
+/// arrives is 1.075 times the reflectance, at n = 8. One constant, since a shader compiler may join a product of several.
 pub const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
 
 /// A highlight below this, 2^-60, counts as none. It could not be seen; but its product with the rest can become a subnormal number, which
@@ -129,8 +129,8 @@ mod tests {
     }
 
     #[test]
-    fn a_highlight_reflects_no_more_than_arrives() {
-        for shininess in [1.0_f32, 10.0, 200.0] {
+    fn a_highlight_reflects_about_its_share_of_what_arrives() {
+        for shininess in [1.0_f32, 8.0, 20.0, 200.0] {
             // Integrates the highlight over all directions the light can come from, for a viewer straight above.
             let mut reflected = 0.0;
             let steps = 4000;
@@ -146,7 +146,9 @@ mod tests {
                 let ring = core::f32::consts::TAU * theta.sin() * core::f32::consts::FRAC_PI_2 / steps as f32;
                 reflected += shade_light(&light, &shiny, 1.0).x * ring;
             }
-            assert!(reflected < 1.0 * SPECULAR_REFLECTANCE * 1.1, "{reflected} of {SPECULAR_REFLECTANCE} at {shininess}");
+            // 1.075 at n = 8 is the maximum of the exact integral over this normalisation; the sum of 4000 rings is off by less than 1e-3.
+            let share = reflected / SPECULAR_REFLECTANCE;
+            assert!((0.9..1.077).contains(&share), "{share} at {shininess}");
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! [`linear_to_srgb`] is mirrored by `srgb.wgsl`.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use crate::approx::pow;
 
@@ -41,13 +41,6 @@ pub fn srgb_to_linear(encoded: f64) -> f64 {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
-/// A colour given as 8-bit sRGB, such as a web colour, in linear terms.
-#[must_use]
-pub fn color_from_srgb8(r: u8, g: u8, b: u8) -> Vec3 {
-    let channel = |byte: u8| srgb_to_linear(f64::from(byte) / 255.0) as f32;
-    Vec3::new(channel(r), channel(g), channel(b))
 }
 
 #[cfg(test)]

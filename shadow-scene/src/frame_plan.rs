@@ -4,6 +4,7 @@ use shadow_math::{
     Camera, PlanError, ShadowSettings,
     bounds::Aabb,
     exposure::Exposure,
+    fit::MIN_NEAR_SHARE,
     plan::{CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
 };
 
@@ -22,6 +23,8 @@ pub struct FramePlan {
     pub map_size: u32,
     /// The exposure value (EV at ISO 100) that was chosen or given.
     pub ev: f32,
+    /// What a person should know about the plan: rules that took effect at the cost of something.
+    pub notes: Vec<String>,
 }
 
 /// Why the plan of a frame cannot be made.
@@ -88,7 +91,8 @@ impl FramePlan {
                 .map_err(failed)?;
             lights.push(plan);
         }
-        Ok(Self { camera, lights, views, map_size: settings.map_size, ev: exposure.ev() })
+        let notes = near_rule_note(scene, &lights, &views).into_iter().collect();
+        Ok(Self { camera, lights, views, map_size: settings.map_size, ev: exposure.ev(), notes })
     }
 
     /// The views of a light.
@@ -97,4 +101,28 @@ impl FramePlan {
         let plan = &self.lights[light];
         &self.views[plan.first_view as usize..][..plan.view_count as usize]
     }
+}
+
+/// A sentence on the lights whose near plane lies at the smallest share of the far plane's distance: what is nearer to them casts no shadow.
+fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Option<String> {
+    /// Rounding to f32 may lift the share a little.
+    const ROUNDING: f64 = 1.0 + 1e-6;
+    let nears: Vec<(String, f32)> = lights
+        .iter()
+        .zip(scene.lights())
+        .enumerate()
+        .filter_map(|(index, (plan, light))| {
+            let view = &views[plan.first_view as usize];
+            let [near, far] = view.depth_range;
+            let is_limited = view.w_per_metre > 0.0 && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
+            let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
+            is_limited.then_some((name, near))
+        })
+        .collect();
+    let (first, near) = nears.first()?;
+    let others = if nears.len() > 1 { format!(" and {} more", nears.len() - 1) } else { String::new() };
+    Some(format!(
+        "{first}{others} is among the scene's bounds: what is nearer to it than {near:.3} m casts no shadow (1/1024 of the distance to the farthest \
+         part of the scene; a smaller range of the light brings it closer)"
+    ))
 }

@@ -115,6 +115,18 @@ fn wrong_visibility_without_an_excuse_is_found() {
     assert_eq!(agreement_after(|frame| floats(frame, LayerName::Visibility { light: 0 })[inner] = 0.5), (false, false));
 }
 
+/// Nor a wrong colour, because a light's visibility differs there by a bit.
+#[test]
+fn wrong_colour_is_not_excused_by_a_bit_of_visibility() {
+    let planted = agreement_after(|frame| {
+        let lit = LayerName::Visibility { light: 0 };
+        let pixel = floats(frame, lit).iter().position(|&visibility| visibility == 1.0).expect("something is lit");
+        floats(frame, lit)[pixel] = 1.0 - f32::EPSILON;
+        colors(frame)[pixel] = [0.0, 1.0, 0.0, 1.0];
+    });
+    assert_eq!(planted, (false, false));
+}
+
 #[test]
 fn frames_that_cannot_be_compared_are_an_error() {
     let (scene, plan, first, second) = twins();

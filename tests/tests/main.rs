@@ -1,10 +1,10 @@
 //! The tests across crates: one program, one file a topic.
 
 mod tidy;
+mod invariants;
 mod layout;
 mod mirrors;
 mod comparator;
-mod rasterizer;
 mod analytic;
 mod slope_bias;
 mod limits;

@@ -570,7 +570,7 @@ fn no_file_is_too_long() {
 /// The keys that a crate takes from the workspace and this one does not.
 fn not_inherited(manifest: &Source) -> Vec<Breach> {
     let mut breaches = Vec::new();
-    for key in ["version", "edition", "rust-version", "license", "repository"] {
+    for key in ["version", "edition", "rust-version", "license"] {
         if !manifest.text.lines().any(|line| line.trim() == format!("{key}.workspace = true")) {
             breaches.push(Breach::new(&manifest.path, 1, format!("`{key}.workspace = true` is missing")));
         }
@@ -632,7 +632,7 @@ fn each_rule_can_fail() {
     type Rule = fn(&Source) -> Vec<Breach>;
     let unreasoned = "//! A.\n#[allow(dead_code)]\nfn a() {}";
     let manifest = "[package]\nversion.workspace = true\nedition.workspace = true\nrust-version.workspace = true\n\
-        license.workspace = true\nrepository.workspace = true\n\n[lints]\nworkspace = true\n";
+        license.workspace = true\n\n[lints]\nworkspace = true\n";
     let long = "\n".repeat(MAX_LINES + 1);
     let note = format!("// {}: finish", concat!("TO", "DO"));
     // The rule, a path, what breaches it and in which line, and what does not.

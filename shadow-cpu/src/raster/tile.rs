@@ -103,8 +103,8 @@ impl Default for VisibilityTile {
     }
 }
 
-/// Edge values beyond this cannot come back to zero within a tile, whose 63 steps on each axis are at most `2^23` each; and with
-/// one step more on each axis they still fit 32 bits.
+/// Edge values beyond this cannot come back to zero within a tile, whose 63 steps on each axis are at most `2^23` each; and after them they
+/// still fit 32 bits. Only the values behind the last column and row, which nobody looks at, can wrap.
 const EDGE_LIMIT: i64 = (1 << 30) - 1;
 
 /// Samples a triangle in the tile whose first pixel is `(left, top)`.
@@ -172,13 +172,13 @@ pub(crate) fn draw_triangle<M: MultiplyAdd, T: Tile>(
             }
             for edge in 0..3 {
                 for lane in 0..LANES {
-                    edges[edge][lane] -= step_x[edge];
+                    edges[edge][lane] = edges[edge][lane].wrapping_sub(step_x[edge]);
                 }
             }
         }
         for edge in 0..3 {
             for lane in 0..LANES {
-                row[edge][lane] += triangle.edge_b[edge];
+                row[edge][lane] = row[edge][lane].wrapping_add(triangle.edge_b[edge]);
             }
         }
     }

@@ -7,12 +7,13 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::bounds::Aabb;
+use crate::{bounds::Aabb, convex::intersect, frustum::Frustum};
 
 /// The near plane of a perspective view lies at least at this share of the far plane's distance.
 ///
-/// Depth z / w loses `far / near` times its precision at the far plane: at 1/1024 a step of 32-bit depth is `2^-14` of the far
-/// distance, 1.2 mm at 20 m. three.js uses 1/1000 for its point lights.
+/// Depth z / w loses `far / near` times its precision at the far plane: at 1/1024 a step of 32-bit depth is `2^-14` of the far distance, 1.2 mm at
+/// 20 m, and the [bound on rounding](crate::rounding) is some twenty steps: 2 to 3 cm there, falling with the square of the distance. three.js
+/// uses 1/1000 for its point lights.
 pub const MIN_NEAR_SHARE: f64 = 1.0 / 1024.0;
 
 /// By what share of itself a range is widened at either end, so that no caster is clipped by the rounding of its depth.
@@ -36,19 +37,33 @@ pub fn distance_to_box(point: DVec3, bounds: Aabb) -> f64 {
     gap.max(DVec3::ZERO).max_element()
 }
 
-/// The range of a view that looks along one axis: from the nearest to the farthest corner of the casters in front of it.
+/// The range of a square perspective view: from the nearest to the farthest point of the casters' bounds within it.
 ///
-/// `limit` is the light's range in metres, infinite for none. Without a caster in front, the range lies around 1 m, or
-/// the limit if that is nearer: the map then stays empty and everything is lit.
+/// `half_width` is half the width of its image at a distance of 1 m, in metres; `limit` is the light's range in metres, infinite for none.
+/// Without a caster in view, the range lies around 1 m, or the limit if that is nearer: the map then stays empty and everything is lit.
 #[must_use]
-pub fn range_along_axis(view_from_world: DMat4, casters: &[Aabb], limit: f64) -> DepthRange {
+pub fn range_in_view(world_from_view: DMat4, half_width: f64, casters: &[Aabb], limit: f64) -> DepthRange {
+    let view_from_world = world_from_view.inverse();
+    let farthest =
+        casters.iter().map(|caster| -caster.transformed(view_from_world).0.z).filter(|far| far.is_finite()).fold(0.0, f64::max);
     let mut near = f64::INFINITY;
     let mut far = 0.0_f64;
-    for caster in casters {
-        let (min, max) = caster.transformed(view_from_world);
-        if -min.z > 0.0 {
-            near = near.min(-max.z);
-            far = far.max(-min.z);
+    if farthest > 0.0 {
+        // What is nearer than the near rule allows need not be found.
+        let slice = [farthest.min(limit) * MIN_NEAR_SHARE, farthest];
+        let corner = |i: usize| {
+            let distance = slice[i / 4];
+            let half = half_width * distance;
+            let (x, y) = [(half, half), (-half, half), (-half, -half), (half, -half)][i % 4];
+            world_from_view.transform_point3(DVec3::new(x, y, -distance))
+        };
+        let view = Frustum { corners: core::array::from_fn(corner) };
+        for caster in casters {
+            for &point in intersect(&view, *caster).as_slice() {
+                let distance = -view_from_world.transform_point3(point).z;
+                near = near.min(distance);
+                far = far.max(distance);
+            }
         }
     }
     widened(near, far, limit)
@@ -86,21 +101,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_range_encloses_the_casters_in_front() {
+    fn the_range_encloses_the_casters_in_view() {
         let caster = Aabb::new(Vec3::new(-1.0, -1.0, -6.0), Vec3::new(1.0, 1.0, -4.0));
         let behind = Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(1.0, 1.0, 5.0));
-        let range = range_along_axis(DMat4::IDENTITY, &[caster, behind], f64::INFINITY);
+        let aside = Aabb::new(Vec3::new(50.0, -1.0, -1.0), Vec3::new(52.0, 1.0, -0.5));
+        let range = range_in_view(DMat4::IDENTITY, 1.0, &[caster, behind, aside], f64::INFINITY);
         assert!(range.near < 4.0 && range.near > 3.99 && range.far > 6.0 && range.far < 6.01, "{range:?}");
+    }
+
+    /// A floor that reaches behind the lamp is cut to what the lamp sees of it.
+    #[test]
+    fn a_large_caster_counts_only_where_it_is_seen() {
+        let floor = Aabb::new(Vec3::new(-100.0, -2.1, -100.0), Vec3::new(100.0, -2.0, 100.0));
+        let range = range_in_view(DMat4::IDENTITY, 0.5, &[floor], 40.0);
+        // The lower edge of a view that widens by 0.5 a metre meets the floor 2 m below after 4 m.
+        assert!(range.near < 4.0 && range.near > 3.99, "{range:?}");
     }
 
     #[test]
     fn a_light_inside_a_caster_takes_the_near_rule() {
         let around = Aabb::new(Vec3::splat(-3.0), Vec3::splat(3.0));
         for range in [
-            range_along_axis(DMat4::IDENTITY, &[around], f64::INFINITY),
+            range_in_view(DMat4::IDENTITY, 1.0, &[around], f64::INFINITY),
             range_around_point(DVec3::ZERO, &[around], f64::INFINITY),
         ] {
-            assert_eq!(range.near, range.far * MIN_NEAR_SHARE);
+            assert!(range.near <= range.far * MIN_NEAR_SHARE * (1.0 + 1e-9), "{range:?}");
             assert!(range.far > 3.0, "{range:?}");
         }
     }
@@ -108,14 +133,14 @@ mod tests {
     #[test]
     fn the_lights_own_range_bounds_the_far_plane() {
         let caster = Aabb::new(Vec3::new(-1.0, -1.0, -60.0), Vec3::new(1.0, 1.0, -40.0));
-        let range = range_along_axis(DMat4::IDENTITY, &[caster], 10.0);
+        let range = range_in_view(DMat4::IDENTITY, 1.0, &[caster], 10.0);
         assert!(range.near < range.far && range.far <= 10.0 * (1.0 + RANGE_MARGIN), "{range:?}");
     }
 
     #[test]
     fn no_caster_still_gives_a_range() {
-        for range in [range_along_axis(DMat4::IDENTITY, &[], f64::INFINITY), range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)]
-        {
+        let nothing = range_in_view(DMat4::IDENTITY, 1.0, &[], f64::INFINITY);
+        for range in [nothing, range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)] {
             assert!(range.near > 0.0 && range.near < range.far && range.far.is_finite(), "{range:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec3, Vec3, dcamera::rh};
 
-use super::{DepthRange, RANGE_MARGIN, ViewFit, guard_scale, range_along_axis};
+use super::{DepthRange, RANGE_MARGIN, ViewFit, guard_scale, range_in_view};
 use crate::{bounds::Aabb, camera::world_from_view_rotation, depth::DepthScale};
 
 /// The smallest extent of a directional light's box on an axis, as a share of the bounds' radius: a scene without
@@ -55,10 +55,10 @@ pub fn spot_view(
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;
     let rotation = world_from_view_rotation(direction.as_dvec3().normalize());
-    let view_from_world = rigid_inverse(rotation, position.as_dvec3());
-    let range = range_along_axis(view_from_world, casters, limit);
     let half_width = outer_angle.tan() * guard_scale(size, guard);
-    perspective_view(view_from_world, half_width, range, size)
+    let world_from_view = DMat4::from_rotation_translation(rotation, position.as_dvec3());
+    let range = range_in_view(world_from_view, half_width, casters, limit);
+    perspective_view(rigid_inverse(rotation, position.as_dvec3()), half_width, range, size)
 }
 
 /// A square perspective view; `half_width` is half the width of its image at a distance of 1 m, in metres.

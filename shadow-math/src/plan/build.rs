@@ -186,8 +186,9 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
 fn cone_falloff(inner: f32, outer: f32) -> (f32, f32) {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;
-    /// The specification's floor under the difference of the cosines.
-    const MIN_COSINE_STEP: f64 = 0.001;
+    /// A floor under the difference of the cosines. The specification's sample code has 0.001 here, which would dim the whole of a cone
+    /// narrower than 2.6 degrees; in f64 the quotient only has to stay a number that f32 holds.
+    const MIN_COSINE_STEP: f64 = 1e-9;
     let (cos_inner, cos_outer) = (f64::from(inner).cos(), f64::from(outer).cos());
     let scale = 1.0 / (cos_inner - cos_outer).max(MIN_COSINE_STEP);
     (scale as f32, (-cos_outer * scale) as f32)

@@ -234,7 +234,7 @@ impl Judge<'_> {
             }
             let difference = distance(values_a[i], values_b[i]);
             tally.max_difference = tally.max_difference.max(difference);
-            tally.violations += usize::from(difference > depth_tolerance(values_a, a.width, i));
+            tally.violations += usize::from(difference > depth_tolerance(values_a, values_b, a.width, i));
         }
         Ok(tally.finish(a, b, tolerance::coverage_allowance(values_a.len())))
     }
@@ -247,7 +247,7 @@ impl Judge<'_> {
             if difference == f64::INFINITY {
                 tally.violations += 1;
                 tally.max_difference = difference;
-            } else if difference > depth_tolerance(values_a, a.width, i) {
+            } else if difference > depth_tolerance(values_a, values_b, a.width, i) {
                 tally.left_out.map_coverage += 1;
             } else {
                 tally.max_difference = tally.max_difference.max(difference);
@@ -315,21 +315,22 @@ impl Judge<'_> {
         let mut tie = false;
         for tap in taps[..count].iter().filter(|tap| inside(tap.x) && inside(tap.y)) {
             let index = tap.y as usize * size as usize + tap.x as usize;
-            let allowed = depth_tolerance(map_a, size, index);
+            let allowed = depth_tolerance(map_a, map_b, size, index);
             if distance(map_a[index], map_b[index]) > allowed {
                 return Ok(Some(Excuse::MapCoverage));
             }
             let margin = f64::from(found.depth) - f64::from(found.bias) - f64::from(map_a[index]);
             tie |= margin.abs() <= allowed;
         }
-        let border = |texel: f32| (texel - texel.round()).abs() < tolerance::TEXEL_BORDER;
-        tie |= plan.filter == FILTER_HARD && (border(found.texel.x) || border(found.texel.y));
         let w = row_times_point(view.clip_w, receiver.point);
+        let reach = tolerance::TEXEL_BORDER.max(view.rounding_texels[0] + view.rounding_texels[1] / w);
+        let border = |texel: f32| (texel - texel.round()).abs() < reach;
+        tie |= plan.filter == FILTER_HARD && (border(found.texel.x) || border(found.texel.y));
         let rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;
         Ok(tie.then_some(Excuse::Tie { bias_is_below_rounding: found.bias < rounding }))
     }
 
-    /// Colours agree in 8 bits but where the camera's coverage or a light's visibility differs.
+    /// Colours agree in 8 bits but where the camera's coverage differs, or the comparison of a light's visibility leaves the pixel out.
     fn color(&self, a: &Layer, b: &Layer, colors_a: &[[f32; 4]], colors_b: &[[f32; 4]]) -> Result<LayerComparison, CompareError> {
         let (ids_a, ids_b) = self.needed_triangles(a.name)?;
         let visibilities = (0..self.plan.lights.len() as u32)
@@ -346,39 +347,55 @@ impl Judge<'_> {
                 tally.max_difference = tally.max_difference.max(difference);
             } else if ids_a[i] != ids_b[i] && difference.is_finite() {
                 tally.left_out.camera_coverage += 1;
-            } else if visibilities.iter().any(|(a, b)| a[i].to_bits() != b[i].to_bits()) && difference.is_finite() {
+            } else if self.is_left_out(&visibilities, ids_a[i], i, a.width)? && difference.is_finite() {
                 tally.left_out.tie += 1;
             } else {
                 tally.violations += 1;
                 tally.max_difference = tally.max_difference.max(difference);
             }
         }
-        Ok(tally.finish(a, b, tolerance::left_out_allowance(colors_a.len()) * (1 + visibilities.len())))
+        // Each light may leave out pixels of its own.
+        Ok(tally.finish(a, b, tolerance::left_out_allowance(colors_a.len()) * visibilities.len().max(1)))
+    }
+
+    /// Whether the comparison of some light's visibility leaves a pixel out.
+    fn is_left_out(
+        &self,
+        visibilities: &[(&[f32], &[f32])],
+        triangle: u32,
+        pixel: usize,
+        width: u32,
+    ) -> Result<bool, CompareError> {
+        for (light, (a, b)) in (0..).zip(visibilities) {
+            let differs = distance(a[pixel], b[pixel]) > f64::from(tolerance::VISIBILITY);
+            if differs && self.excuse(light, triangle, pixel as u32 % width, pixel as u32 / width)?.is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 }
 
-/// How far two depths at a pixel may lie apart: a fixed part, and a sub-pixel step times the slope, taken as the largest difference
-/// to a neighbour.
-fn depth_tolerance(depths: &[f32], width: u32, index: usize) -> f64 {
-    let width = width as usize;
-    let (x, y) = (index % width, index / width);
-    let mut slope = 0.0_f64;
-    let mut visit = |neighbor: usize| {
-        if let Some(&depth) = depths.get(neighbor) {
-            let step = distance(depth, depths[index]);
-            // A neighbour that is not a number has no slope to it.
-            slope = if step.is_finite() { slope.max(step) } else { slope };
-        }
-    };
-    if x > 0 {
-        visit(index - 1);
-    }
-    if x + 1 < width {
-        visit(index + 1);
-    }
-    if y > 0 {
-        visit(index - width);
-    }
-    visit(index + width);
+/// How far two depths at a pixel may lie apart: a fixed part, and a sub-pixel step times the slope that the frames show there.
+fn depth_tolerance(first: &[f32], second: &[f32], width: u32, index: usize) -> f64 {
+    let slope = slope_at(first, width, index).max(slope_at(second, width, index));
     tolerance::DEPTH + tolerance::SUBPIXEL_STEP * slope
+}
+
+/// The slope of the surface at a pixel, in depth per pixel: on each axis the smaller difference to a neighbour, since the larger one can be the
+/// jump of a silhouette; the sum of both axes.
+fn slope_at(depths: &[f32], width: u32, index: usize) -> f64 {
+    let width = width as usize;
+    let x = index % width;
+    let step = |neighbor: Option<usize>| {
+        let difference = neighbor.and_then(|neighbor| depths.get(neighbor)).map(|&depth| distance(depth, depths[index]));
+        difference.filter(|difference| difference.is_finite())
+    };
+    let axis = |before: Option<usize>, after: Option<usize>| match (step(before), step(after)) {
+        (Some(a), Some(b)) => a.min(b),
+        (a, b) => a.or(b).unwrap_or(0.0),
+    };
+    let left = (x > 0).then(|| index - 1);
+    let right = (x + 1 < width).then_some(index + 1);
+    axis(left, right) + axis(index.checked_sub(width), Some(index + width))
 }

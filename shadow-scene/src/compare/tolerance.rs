@@ -1,5 +1,7 @@
 //! The tolerances of [`Contract::Tolerance`](super::Contract): one table, every entry with its reason.
 //!
+//! A map's layer says nothing about triangles, so its differing texels are only counted, not traced to an edge as the camera's are.
+//!
 //! They say what may differ between renderers that follow WebGPU and nothing more. Where the rules of a driver are known completely there is no
 //! tolerance at all.
 
@@ -20,8 +22,8 @@ pub const VISIBILITY: f32 = 1.0 / 255.0;
 /// Visibility may be left out at one pixel of this many: edges of shadows are where rounding decides, and they are few.
 pub const VISIBILITY_LEFT_OUT_ONE_IN: usize = 1_000;
 
-/// A lookup nearer than this to a texel's border, in texels, can fall into either texel under a hard filter: the error of a texel coordinate
-/// in f32 at the largest map is below `2^-9`.
+/// A lookup nearer than this to a texel's border, in texels, can fall into either texel under a hard filter. Where the view's own bound on rounding
+/// is larger, as on maps beyond 500 texels, that bound takes its place.
 pub const TEXEL_BORDER: f32 = 1.0 / 256.0;
 
 /// Colours of a picture agree within this many steps of 8 bits: rounding to a step can fall either way.

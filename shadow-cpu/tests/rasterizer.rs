@@ -119,3 +119,17 @@ fn what_lies_behind_the_eye_or_is_no_number_covers_nothing() {
     let depths = covered(&crossing, &[[0, 1, 2]], &target, &RasterRules::default());
     assert!(depths.iter().any(|&depth| depth < 1.0) && depths.iter().all(|depth| (0.0..=1.0).contains(depth)));
 }
+
+/// The largest coordinates that the rules allow: overflow checks are on where this runs unoptimised.
+#[test]
+fn the_largest_triangles_stay_within_32_bits() {
+    let far = ClipRule::GUARD_BAND;
+    let corner = |x: f32, y: f32| Vec3::new(x * far, y * far, 0.5);
+    let positions = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-0.9, 0.99)];
+    let rules = RasterRules { clip: ClipRule::GuardBand, ..RasterRules::default() };
+    for (width, height) in [(16_384, 70), (70, 16_384)] {
+        let target = flat(width, height);
+        let depths = covered(&positions, &[[0, 1, 2], [0, 2, 3], [1, 3, 4]], &target, &rules);
+        assert!(depths.iter().all(|&depth| depth == 0.5), "the square covers all of {width} x {height}");
+    }
+}
