@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::{AdapterSummary, GpuRenderer};
+use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer};
 use shadow_scene::{Frame, Layer, LayerName, Request, StageTimes};
 
 use crate::{
@@ -42,24 +42,38 @@ impl Backend {
         }
     }
 
-    /// Renders a job.
+    /// Renders a job; the CPU backend follows `rules` where WebGPU leaves a choice.
     pub(crate) fn render(
         self,
         job: &Job,
         request: Request,
         machine: &MachineArgs,
+        rules: RasterRules,
         console: &Console,
     ) -> Result<RenderedFrame, CliError> {
         match self {
-            Self::Cpu => render_on_cpu(job, request, machine, console),
+            Self::Cpu => render_on_cpu(job, request, machine, rules, console),
             Self::Gpu => pollster::block_on(render_on_gpu(job, request, machine, console)),
         }
     }
 }
 
-fn render_on_cpu(job: &Job, request: Request, machine: &MachineArgs, console: &Console) -> Result<RenderedFrame, CliError> {
-    // The default rules are lavapipe's, so that the two agree in every bit where the GPU backend runs on it.
-    let renderer = CpuRenderer::new(machine.threads as usize, RasterRules::default())?;
+/// The rules that the CPU backend follows to be compared with a driver: the driver's, as far as they are known.
+pub(crate) fn rules_of(driver: DriverRules) -> RasterRules {
+    match driver {
+        DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
+        DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
+    }
+}
+
+fn render_on_cpu(
+    job: &Job,
+    request: Request,
+    machine: &MachineArgs,
+    rules: RasterRules,
+    console: &Console,
+) -> Result<RenderedFrame, CliError> {
+    let renderer = CpuRenderer::new(machine.threads as usize, rules)?;
     console.stage("preparing the scene for the CPU");
     let start = Instant::now();
     let prepared = renderer.prepare(&job.scene);

@@ -7,6 +7,8 @@ use crate::error::GpuError;
 pub enum DriverRules {
     /// Mesa 22.3's lavapipe: measured completely. A renderer that follows the rules agrees in every bit.
     Lavapipe22,
+    /// SwiftShader: its grid and its depth plane are known, its arithmetic is not.
+    SwiftShader,
     /// Anything else: only what WebGPU promises is known.
     Unknown,
 }
@@ -61,7 +63,13 @@ impl AdapterSummary {
 fn driver_rules(info: &wgpu::AdapterInfo) -> DriverRules {
     // The rules were measured on x86-64; its code generator makes other instructions elsewhere.
     let is_lavapipe = cfg!(target_arch = "x86_64") && info.backend == wgpu::Backend::Vulkan && info.driver == "llvmpipe";
-    if is_lavapipe && info.driver_info.starts_with("Mesa 22.3.") { DriverRules::Lavapipe22 } else { DriverRules::Unknown }
+    if is_lavapipe && info.driver_info.starts_with("Mesa 22.3.") {
+        DriverRules::Lavapipe22
+    } else if info.backend == wgpu::Backend::Vulkan && info.driver.starts_with("SwiftShader") {
+        DriverRules::SwiftShader
+    } else {
+        DriverRules::Unknown
+    }
 }
 
 /// An instance on the backends that are compiled in, with the choices of the `WGPU_*` variables.

@@ -3,16 +3,22 @@
 use std::{env, path::PathBuf, sync::OnceLock};
 
 use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::GpuRenderer;
+use shadow_gpu::{DriverRules, GpuRenderer};
 
-/// A CPU renderer with one thread a core and lavapipe's rules.
+/// A CPU renderer with one thread a core and the rules of the adapter under test, as far as they are known.
 ///
 /// # Panics
 ///
 /// If the threads cannot be started.
 pub fn cpu() -> &'static CpuRenderer {
     static RENDERER: OnceLock<CpuRenderer> = OnceLock::new();
-    RENDERER.get_or_init(|| CpuRenderer::new(0, RasterRules::default()).expect("the threads start"))
+    RENDERER.get_or_init(|| {
+        let rules = match gpu().adapter().rules {
+            DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
+            DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
+        };
+        CpuRenderer::new(0, rules).expect("the threads start")
+    })
 }
 
 /// The GPU renderer on the adapter that the environment chooses.

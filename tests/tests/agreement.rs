@@ -17,7 +17,7 @@ use shadow_tests::{renderers, report::assert_agreement};
 fn contract() -> Contract {
     match renderers::gpu().adapter().rules {
         DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::Unknown => Contract::Tolerance,
+        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The comparator is tested before anything is tested with it: every planted difference must be found.
 
 use glam::DVec3;
+use shadow_cpu::{CpuRenderer, RasterRules};
 use shadow_math::{Camera, Projection, ShadowSettings};
 use shadow_scene::{
     Frame, FramePlan, LayerName, Pixels, Request, Scene, builtin,
@@ -170,4 +171,26 @@ fn too_many_edges_are_too_many() {
     let (moved, _) = render(&shifted);
     let moved = Frame { source: "moved".into(), ..moved };
     assert!(!compare(&first, &moved, &scene, &plan, Contract::Tolerance).expect("comparable").agree());
+}
+
+/// What the tolerances are for: a driver that rounds differently passes, one that snaps to another grid does not.
+#[test]
+fn another_rounding_is_tolerated_and_another_grid_is_not() {
+    let scene = builtin::demo();
+    let settings = ShadowSettings { map_size: 1024, ..ShadowSettings::default() };
+    let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, 640, 360, None).expect("the demo can be planned");
+    let render = |rules: RasterRules| {
+        let renderer = CpuRenderer::new(0, rules).expect("the threads start");
+        let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the demo can be rendered").frame;
+        Frame { source: format!("{rules:?}"), ..frame }
+    };
+    let fused = render(RasterRules::lavapipe(true));
+    let separate = render(RasterRules::lavapipe(false));
+    let verdict = |other: &Frame, contract| compare(&fused, other, &scene, &plan, contract).expect("comparable");
+    assert!(!verdict(&separate, Contract::Exact).agree(), "the two roundings are not the same");
+    let tolerant = verdict(&separate, Contract::Tolerance);
+    assert!(tolerant.agree(), "{:#?}", tolerant.layers);
+
+    let coarse = render(RasterRules { subpixel_bits: 4, ..RasterRules::lavapipe(true) });
+    assert!(!verdict(&coarse, Contract::Tolerance).agree(), "a grid of 4 bits differs in more than a few samples");
 }

@@ -809,7 +809,7 @@ impl Mirror {
             let group = &inputs[index / outputs_each * self.inputs_each..][..self.inputs_each];
             let agree = match rules {
                 DriverRules::Lavapipe22 => ulps(number.value, actual) == 0,
-                DriverRules::Unknown => {
+                DriverRules::SwiftShader | DriverRules::Unknown => {
                     // WGSL lets a driver assume that there are neither infinities nor NaN, and flush subnormal numbers.
                     let promised = group.iter().all(|x| x.is_normal() || *x == 0.0) && number.value.is_finite();
                     let allowed = self.bound as f32 * unit_of(number.scale);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use shadow_cpu::RasterRules;
 use shadow_gpu::DriverRules;
 use shadow_scene::{
     Request,
@@ -11,8 +12,8 @@ use shadow_scene::{
 
 use super::Verdict;
 use crate::{
-    args::CompareArgs,
-    backend::RenderedFrame,
+    args::{Backend, CompareArgs},
+    backend::{RenderedFrame, rules_of},
     console::{Console, print, print_json, table, to_json},
     error::CliError,
     memory,
@@ -87,7 +88,7 @@ impl From<&LayerComparison> for LayerReport {
 pub(super) fn contract_for(rules: DriverRules) -> Contract {
     match rules {
         DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::Unknown => Contract::Tolerance,
+        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
     }
 }
 
@@ -101,8 +102,19 @@ pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
         make_folder(folder)?;
     }
 
-    let first = args.backends.first.render(&job, Request::ALL, &args.machine, &console)?;
-    let second = args.backends.second.render(&job, Request::ALL, &args.machine, &console)?;
+    // The GPU goes first: what is known of its driver is what the CPU follows.
+    let render = |backend: Backend, rules| backend.render(&job, Request::ALL, &args.machine, rules, &console);
+    let rules_after =
+        |frame: &RenderedFrame| frame.adapter.as_ref().map_or(RasterRules::default(), |adapter| rules_of(adapter.rules));
+    let (first, second) = if args.backends.first == Backend::Gpu {
+        let first = render(args.backends.first, RasterRules::default())?;
+        let second = render(args.backends.second, rules_after(&first))?;
+        (first, second)
+    } else {
+        let second = render(args.backends.second, RasterRules::default())?;
+        let first = render(args.backends.first, rules_after(&second))?;
+        (first, second)
+    };
     let adapter = first.adapter.as_ref().or(second.adapter.as_ref());
     let contract = adapter.map_or(Contract::Tolerance, |adapter| contract_for(adapter.rules));
     console.stage("comparing");

@@ -1,6 +1,7 @@
 //! `shadow render`: one picture.
 
 use serde::Serialize;
+use shadow_cpu::RasterRules;
 use shadow_scene::StageTimes;
 
 use super::Verdict;
@@ -59,7 +60,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     let layer = job.layer(&args.show)?;
     memory::check(&job.plan, args.backend.copies())?;
 
-    let rendered = args.backend.render(&job, request_for(layer), &args.machine, &console)?;
+    let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
     let [picture] = pictures([shown], &job.plan);
     console.stage(format!("writing {}", args.output.display()));

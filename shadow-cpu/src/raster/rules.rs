@@ -47,9 +47,10 @@ impl RasterRules {
         Self { subpixel_bits: 8, depth_plane: DepthPlaneRule::Unsnapped, clip: ClipRule::Viewport, fused }
     }
 
-    /// SwiftShader: 4 bits of sub-pixel grid, and depth from snapped vertices.
+    /// SwiftShader: 4 bits of sub-pixel grid, and depth from snapped vertices. Found by comparison and not complete: cameras and directional maps
+    /// agree within the tolerances, while a perspective map differs in some texel of 10,000.
     pub const SWIFTSHADER: Self =
-        Self { subpixel_bits: 4, depth_plane: DepthPlaneRule::Snapped, clip: ClipRule::GuardBand, fused: false };
+        Self { subpixel_bits: 4, depth_plane: DepthPlaneRule::Snapped, clip: ClipRule::Viewport, fused: false };
 }
 
 impl Default for RasterRules {
