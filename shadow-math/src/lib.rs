@@ -6,18 +6,40 @@
 //! describes, and calls [`visibility()`] for every receiver.
 //!
 //! ```
-//! use shadow_math::{Light, LightKind, ShadowSettings, bounds::Aabb, plan};
-//! use glam::Vec3;
+//! use shadow_math::{
+//!     Light, LightKind, MapAccess, Receiver, ShadowSettings, bounds::Aabb, glam::Vec3, plan, visibility,
+//! };
 //!
+//! // A sun over a scene of 10 m.
 //! let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.2) }, color: Vec3::ONE, intensity: 80_000.0 };
 //! let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
 //! let mut views = [plan::ViewPlan::default(); plan::MAX_VIEWS_PER_LIGHT];
 //! let light = plan::plan_light(&sun, &[scene], scene, &ShadowSettings::default(), 0, &mut views)?;
 //! assert_eq!(light.view_count, 1);
-//! // One texel of the map covers about 8 mm of this 10 m scene.
-//! assert!(views[0].texel_metres[0] < 0.01);
+//! assert!(views[0].texel_metres[0] < 0.01, "one texel of the map covers about 8 mm");
+//!
+//! // The renderer draws the map with this matrix (see below); here something 3 m above the origin shades all of it.
+//! let blocker = views[0].clip_from_world().project_point3(Vec3::Y * 3.0).z;
+//! struct Map(f32);
+//! impl MapAccess for Map {
+//!     fn fetch_texel(&self, _layer: u32, _x: u32, _y: u32) -> f32 {
+//!         self.0
+//!     }
+//! }
+//! let floor = Receiver { point: Vec3::ZERO, normal: Vec3::Y };
+//! assert_eq!(visibility(&light, &views, &Map(blocker), &floor), 0.0);
+//! assert_eq!(visibility(&light, &views, &Map(1.0), &floor), 1.0);
 //! # Ok::<(), shadow_math::PlanError>(())
 //! ```
+//!
+//! # Drawing a map
+//!
+//! Each [`plan::ViewPlan`] is one depth pass. Draw all casters, none of them culled, with [`plan::ViewPlan::clip_from_world`] (or its rows, summed in
+//! ascending order, to repeat this project's bits) into layer `layer` at rectangle `rect`, as deep and as wide as the settings' `map_size`: depth z / w from
+//! 0 at the near plane, the nearest wins, cleared to 1; rows of texels count downward, as in WebGPU, Vulkan and Direct3D. Add no depth bias: it is in the lookup.
+//!
+//! [`plan::plan_light`] writes the views of one light to the slice it is lent, which must hold [`plan::view_count`] of them; [`visibility()`] takes the views
+//! of the whole frame, in which the light's `first_view` counts.
 //!
 //! # Main types
 //!
@@ -50,6 +72,8 @@ extern crate std;
 
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("shadow-math needs square roots and trigonometry: enable the feature `std` or the feature `libm`");
+
+pub use glam;
 
 mod float;
 

@@ -1,7 +1,7 @@
 //! The plan's data. `plan.wgsl` repeats these structs; a test compares every offset.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 
 /// The most views of one light: the faces of a cube.
 pub const MAX_VIEWS_PER_LIGHT: usize = 6;
@@ -158,6 +158,14 @@ pub struct ViewPlan {
     pub depth_kind: u32,
     /// The rectangle within the layer: x, y, width, height in texels.
     pub rect: [u32; 4],
+}
+
+impl ViewPlan {
+    /// The matrix from world to clip space, z from 0 to 1, for a renderer that wants it whole. Exactly the rows of the plan.
+    #[must_use]
+    pub fn clip_from_world(&self) -> Mat4 {
+        Mat4::from_cols_array_2d(&[self.clip_x, self.clip_y, self.clip_z, self.clip_w]).transpose()
+    }
 }
 
 /// The vector from a point to the light: of unit length for a directional light, else in metres. Mirrored by `light.wgsl`.

@@ -12,7 +12,7 @@ use crate::builder::SceneError;
 #[non_exhaustive]
 pub enum ImportError {
     /// The file itself cannot be read.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read: {source}{}", read_hint(source))]
     Read {
         /// The file.
         file: String,
@@ -91,3 +91,13 @@ pub enum ImportError {
 
 /// The result of a step of the import.
 pub(super) type Result<T> = core::result::Result<T, ImportError>;
+
+/// What to do about a file that cannot be read.
+fn read_hint(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "; a scene is a .gltf or .glb file that exists",
+        io::ErrorKind::IsADirectory => "; name the .gltf or .glb file in the folder",
+        io::ErrorKind::PermissionDenied => "; ask for the right to read it, or copy it",
+        _ => "",
+    }
+}
