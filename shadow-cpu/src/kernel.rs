@@ -1,8 +1,14 @@
 //! Run-time dispatch: the same loops, compiled for the processor at hand.
 //!
-//! Loops over arrays of [`LANES`] numbers are written as plain Rust; inside a function that enables AVX2 the compiler turns them
-//! into vector instructions. A plain release build carries both versions and chooses when it runs.
-//! Neither version changes a result: the operations and their order are the same.
+//! The rasteriser's loops are written in vectors of [`LANES`] numbers ([`lanes`]), the others as plain Rust over arrays, which the
+//! compiler turns into vector instructions inside a function that enables AVX2. A plain release build carries both versions and chooses when it
+//! runs. Neither version changes a result: the operations and their order are the same.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+pub(crate) mod lanes;
+
+use self::lanes::{Floats, Lanes, Portable};
 
 /// How many samples or vertices the loops take at a time: the width of an AVX2 register in f32.
 pub(crate) const LANES: usize = 8;
@@ -11,6 +17,9 @@ pub(crate) const LANES: usize = 8;
 pub(crate) trait MultiplyAdd: Copy + Send + Sync + 'static {
     /// `a * b + c`.
     fn multiply_add(a: f32, b: f32, c: f32) -> f32;
+
+    /// `a * b + c` in each lane.
+    fn multiply_add_lanes<F: Floats>(a: F, b: F, c: F) -> F;
 }
 
 /// Rounded once.
@@ -21,6 +30,11 @@ impl MultiplyAdd for Fused {
     #[inline(always)]
     fn multiply_add(a: f32, b: f32, c: f32) -> f32 {
         a.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn multiply_add_lanes<F: Floats>(a: F, b: F, c: F) -> F {
+        a.fused(b, c)
     }
 }
 
@@ -33,13 +47,18 @@ impl MultiplyAdd for Separate {
     fn multiply_add(a: f32, b: f32, c: f32) -> f32 {
         a * b + c
     }
+
+    #[inline(always)]
+    fn multiply_add_lanes<F: Floats>(a: F, b: F, c: F) -> F {
+        a * b + c
+    }
 }
 
 /// Work that is compiled for each kind of processor. `run` must be `#[inline(always)]`, and so must all that it calls in
 /// its inner loops, to be compiled with the instructions of the caller.
 pub(crate) trait Kernel {
     type Output;
-    fn run<M: MultiplyAdd>(self) -> Self::Output;
+    fn run<L: Lanes, M: MultiplyAdd>(self) -> Self::Output;
 }
 
 /// Runs a kernel with the best instructions there are.
@@ -51,18 +70,19 @@ pub(crate) fn dispatch<K: Kernel>(fused: bool, kernel: K) -> K::Output {
         // SAFETY: the processor has the features that the function enables.
         return unsafe { run_avx2(fused, kernel) };
     }
-    run_either(fused, kernel)
+    run_portable(fused, kernel)
 }
 
-#[inline(always)]
-fn run_either<K: Kernel>(fused: bool, kernel: K) -> K::Output {
-    if fused { kernel.run::<Fused>() } else { kernel.run::<Separate>() }
+/// Runs a kernel without any instruction that some processors lack.
+#[inline]
+pub(crate) fn run_portable<K: Kernel>(fused: bool, kernel: K) -> K::Output {
+    if fused { kernel.run::<Portable, Fused>() } else { kernel.run::<Portable, Separate>() }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn run_avx2<K: Kernel>(fused: bool, kernel: K) -> K::Output {
-    run_either(fused, kernel)
+    if fused { kernel.run::<avx2::Avx2, Fused>() } else { kernel.run::<avx2::Avx2, Separate>() }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -80,4 +100,20 @@ pub(crate) fn has_fused_multiply_add() -> bool {
     {
         cfg!(target_arch = "aarch64")
     }
+}
+
+/// Asks for memory that will be read soon. Only the time it takes can change.
+#[inline(always)]
+pub(crate) fn prefetch<T>(wanted: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        #[allow(unsafe_code, reason = "a map of a million triangles takes 26 ms instead of 30")]
+        // SAFETY: the instruction reads nothing that the program could see, and is part of every x86-64 processor.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(wanted).cast());
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = wanted;
 }

@@ -12,10 +12,11 @@ mod bins;
 mod clip;
 mod pass;
 mod rules;
+mod sample;
 mod setup;
 mod tile;
 mod transform;
 
-pub use pass::{AlphaTest, MAX_TARGET_SIZE, NoAlphaTest, Run, Target, rasterize_depth, rasterize_visibility};
+pub use pass::{AlphaTest, MAX_TARGET_SIZE, NoAlphaTest, Run, Scratch, Target, rasterize_depth, rasterize_visibility};
 pub use rules::{ClipRule, DepthPlaneRule, RasterRules};
 pub use transform::Positions;

@@ -1,12 +1,15 @@
 //! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
 
-use std::time::Instant;
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Instant,
+};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 
 use crate::{
-    raster::{MAX_TARGET_SIZE, Positions, RasterRules, Run, Target, rasterize_depth, rasterize_visibility},
+    raster::{MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_visibility},
     resolve::{SceneAlphaTest, SceneView, ShadowMaps, resolve_color, resolve_visibility},
 };
 
@@ -39,6 +42,7 @@ pub enum CpuError {
 pub struct CpuRenderer {
     pool: ThreadPool,
     rules: RasterRules,
+    scratch: Mutex<Scratch>,
 }
 
 /// A scene in the form that the CPU renderer works on.
@@ -87,7 +91,7 @@ impl CpuRenderer {
             .thread_name(|index| format!("shadow-cpu {index}"))
             .build()
             .map_err(|source| CpuError::Threads { threads, source })?;
-        Ok(Self { pool, rules })
+        Ok(Self { pool, rules, scratch: Mutex::default() })
     }
 
     /// How many threads the renderer has.
@@ -106,6 +110,8 @@ impl CpuRenderer {
     #[must_use]
     pub fn shadow_maps(&self, prepared: &PreparedScene<'_>, plan: &FramePlan) -> ShadowMaps {
         let size = plan.map_size;
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let scratch = &mut *scratch;
         let layers = plan.views.iter().map(|view| {
             let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
@@ -114,7 +120,7 @@ impl CpuRenderer {
             let mut depth = vec![0.0; size as usize * size as usize];
             self.pool.install(|| {
                 let triangles = prepared.scene.triangles();
-                rasterize_depth(&prepared.positions, triangles, &runs, &target, &self.rules, &alpha_test, &mut depth);
+                rasterize_depth(scratch, &prepared.positions, triangles, &runs, &target, &self.rules, &alpha_test, &mut depth);
             });
             depth
         });
@@ -136,12 +142,15 @@ impl CpuRenderer {
             width: camera.width,
             height: camera.height,
         };
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let scratch = &mut *scratch;
         let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &camera.rays };
         let runs = runs(prepared.scene, true);
         let pixels = camera.width as usize * camera.height as usize;
         let mut buffer = CameraBuffer { triangles: vec![0; pixels], depth: vec![0.0; pixels] };
         self.pool.install(|| {
             rasterize_visibility(
+                scratch,
                 &prepared.positions,
                 prepared.scene.triangles(),
                 &runs,

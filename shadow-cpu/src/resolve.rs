@@ -15,7 +15,7 @@ use shadow_math::{
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
 
 use crate::{
-    kernel::{Kernel, MultiplyAdd, dispatch},
+    kernel::{Kernel, MultiplyAdd, dispatch, lanes::Lanes},
     raster::AlphaTest,
 };
 
@@ -116,7 +116,7 @@ impl Kernel for VisibilityKernel<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<M: MultiplyAdd>(self) {
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
         let Self { view, plan, maps, y, triangles, out } = self;
         for ((x, &triangle), out) in triangles.iter().enumerate().zip(out.chunks_exact_mut(plan.lights.len())) {
             if triangle == NO_TRIANGLE {
@@ -159,7 +159,7 @@ impl Kernel for ColorKernel<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<M: MultiplyAdd>(self) {
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
         let Self { view, plan, y, triangles, visibility, out } = self;
         let light_count = plan.lights.len();
         for (x, (out, &triangle)) in out.iter_mut().zip(triangles).enumerate() {

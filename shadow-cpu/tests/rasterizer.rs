@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use shadow_cpu::raster::{ClipRule, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Target, rasterize_depth};
+use shadow_cpu::raster::{ClipRule, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Scratch, Target, rasterize_depth};
 
 /// A target whose clip space is the world's x, y, z with w = 1.
 fn flat(width: u32, height: u32) -> Target {
@@ -13,7 +13,16 @@ fn flat(width: u32, height: u32) -> Target {
 fn covered(positions: &[Vec3], triangles: &[[u32; 3]], target: &Target, rules: &RasterRules) -> Vec<f32> {
     let run = Run { triangles: 0..triangles.len() as u32, culls_back_faces: false, is_masked: false };
     let mut depth = vec![0.0; (target.width * target.height) as usize];
-    rasterize_depth(&Positions::new(positions), triangles, &[run], target, rules, &NoAlphaTest, &mut depth);
+    rasterize_depth(
+        &mut Scratch::default(),
+        &Positions::new(positions),
+        triangles,
+        &[run],
+        target,
+        rules,
+        &NoAlphaTest,
+        &mut depth,
+    );
     depth
 }
 

@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use super::{
     RasterRules,
-    bins::{Binner, Bins, TILE_SIZE},
+    bins::{Binned, Bins, TILE_SIZE},
     clip::clip_triangle,
-    setup::{Culling, Extent, setup_triangle},
-    tile::{DepthTile, Tile, VisibilityTile, draw_triangle},
-    transform::{Positions, Transformed, Viewpoint, transform},
+    sample::{Corner, Part, draw_large, draw_masked, draw_small},
+    setup::{Culling, Extent, look_at, setup_large, setup_small},
+    tile::{DepthTile, STRIDE, Tile, VisibilityTile},
+    transform::{Positions, Transformed, Viewpoint, WindowVertex},
 };
-use crate::kernel::{Kernel, MultiplyAdd, dispatch};
+use crate::kernel::{Kernel, LANES, MultiplyAdd, dispatch, lanes::Lanes};
 
 /// The largest width and height of a target in pixels: up to here no edge function leaves 32 bits inside a tile.
 pub const MAX_TARGET_SIZE: u32 = 16_384;
@@ -70,7 +71,9 @@ impl Target {
 /// # Panics
 ///
 /// If `depth` does not have `width * height` values, or the target is larger than [`MAX_TARGET_SIZE`].
+#[allow(clippy::too_many_arguments, reason = "the scene, the view and the output are each what they are")]
 pub fn rasterize_depth(
+    scratch: &mut Scratch,
     positions: &Positions,
     triangles: &[[u32; 3]],
     runs: &[Run],
@@ -80,12 +83,12 @@ pub fn rasterize_depth(
     depth: &mut [f32],
 ) {
     check_target(target, depth.len());
-    let chunks = bin_triangles(positions, triangles, runs, target, rules);
+    let chunks = scratch.bin(positions, triangles, runs, target, rules);
     let width = target.width as usize;
     depth.par_chunks_mut(width * TILE_SIZE).enumerate().for_each_init(DepthTile::default, |tile, (tile_y, band)| {
         for tile_x in 0..target.tiles_wide() {
-            draw_tile(tile, &chunks, target, tile_x, tile_y, rules, alpha_test);
-            copy_tile(&tile.depth, band, width, tile_x);
+            draw_tile(tile, chunks, target, tile_x, tile_y, rules, alpha_test);
+            copy_tile(&tile.depth, band, width, tile_x, |depth| depth);
         }
     });
 }
@@ -99,6 +102,7 @@ pub fn rasterize_depth(
 /// If `depth` or `seen` does not have `width * height` values, or the target is larger than [`MAX_TARGET_SIZE`].
 #[allow(clippy::too_many_arguments, reason = "the scene, the view and the two outputs are each what they are")]
 pub fn rasterize_visibility(
+    scratch: &mut Scratch,
     positions: &Positions,
     triangles: &[[u32; 3]],
     runs: &[Run],
@@ -110,14 +114,14 @@ pub fn rasterize_visibility(
 ) {
     check_target(target, depth.len());
     check_target(target, seen.len());
-    let chunks = bin_triangles(positions, triangles, runs, target, rules);
+    let chunks = scratch.bin(positions, triangles, runs, target, rules);
     let width = target.width as usize;
     let bands = depth.par_chunks_mut(width * TILE_SIZE).zip(seen.par_chunks_mut(width * TILE_SIZE));
     bands.enumerate().for_each_init(VisibilityTile::default, |tile, (tile_y, (depth_band, seen_band))| {
         for tile_x in 0..target.tiles_wide() {
-            draw_tile(tile, &chunks, target, tile_x, tile_y, rules, alpha_test);
-            copy_tile(&tile.depth, depth_band, width, tile_x);
-            copy_tile(&tile.triangle, seen_band, width, tile_x);
+            draw_tile(tile, chunks, target, tile_x, tile_y, rules, alpha_test);
+            copy_tile(&tile.depth, depth_band, width, tile_x, |depth| depth);
+            copy_tile(&tile.triangle, seen_band, width, tile_x, |id| id as u32);
         }
     });
 }
@@ -133,49 +137,60 @@ fn check_target(target: &Target, len: usize) {
 }
 
 /// Copies a tile to its place in a band of rows.
-fn copy_tile<T: Copy>(tile: &[T], band: &mut [T], width: usize, tile_x: usize) {
+#[inline(always)]
+fn copy_tile<T: Copy, U>(tile: &[T], band: &mut [U], width: usize, tile_x: usize, convert: impl Fn(T) -> U) {
     let left = tile_x * TILE_SIZE;
     let columns = TILE_SIZE.min(width - left);
-    for (row, pixels) in band.chunks_exact_mut(width).enumerate() {
-        pixels[left..left + columns].copy_from_slice(&tile[row * TILE_SIZE..][..columns]);
+    for (pixels, row) in band.chunks_exact_mut(width).zip(tile.chunks_exact(STRIDE)) {
+        for (pixel, &value) in pixels[left..left + columns].iter_mut().zip(row) {
+            *pixel = convert(value);
+        }
     }
 }
 
 /// How many triangles one task sets up. A fixed number, so that the chunks do not depend on the threads.
 const TRIANGLES_PER_CHUNK: u32 = 16_384;
 
-/// The binned triangles of one chunk.
-struct Chunk {
-    is_masked: bool,
-    bins: Bins,
+/// Memory that passes work in. It is kept from pass to pass: memory that is new to a process costs more time than what is written into it.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    vertices: Transformed,
+    chunks: Vec<Bins>,
 }
 
-fn bin_triangles(
-    positions: &Positions,
-    triangles: &[[u32; 3]],
-    runs: &[Run],
-    target: &Target,
-    rules: &RasterRules,
-) -> Vec<Chunk> {
-    let view = Viewpoint { rows: target.clip_rows, width: target.width, height: target.height };
-    let vertices = transform(positions, &view, rules);
-    let pieces: Vec<Run> = runs
-        .iter()
-        .flat_map(|run| {
-            run.triangles
-                .clone()
-                .step_by(TRIANGLES_PER_CHUNK as usize)
-                .map(|first| Run { triangles: first..run.triangles.end.min(first + TRIANGLES_PER_CHUNK), ..run.clone() })
-        })
-        .collect();
-    pieces
-        .into_par_iter()
-        .map(|run| {
-            let is_masked = run.is_masked;
-            let kernel = BinKernel { positions, vertices: &vertices, triangles, run, view: &view, target, rules };
-            Chunk { is_masked, bins: dispatch(rules.fused, kernel) }
-        })
-        .collect()
+impl Scratch {
+    /// Transforms the vertices and bins the triangles; the chunks in order.
+    fn bin(
+        &mut self,
+        positions: &Positions,
+        triangles: &[[u32; 3]],
+        runs: &[Run],
+        target: &Target,
+        rules: &RasterRules,
+    ) -> &[Bins] {
+        let view = Viewpoint { rows: target.clip_rows, width: target.width, height: target.height };
+        self.vertices.transform(positions, &view, rules);
+        let pieces: Vec<Run> = runs
+            .iter()
+            .flat_map(|run| {
+                run.triangles
+                    .clone()
+                    .step_by(TRIANGLES_PER_CHUNK as usize)
+                    .map(|first| Run { triangles: first..run.triangles.end.min(first + TRIANGLES_PER_CHUNK), ..run.clone() })
+            })
+            .collect();
+        if self.chunks.len() < pieces.len() {
+            self.chunks.resize_with(pieces.len(), Bins::default);
+        }
+        let chunks = &mut self.chunks[..pieces.len()];
+        let vertices = &self.vertices;
+        pieces.into_par_iter().zip(chunks.par_iter_mut()).for_each(|(run, bins)| {
+            bins.begin(target.tiles_wide(), target.tiles_high(), run.is_masked);
+            let kernel = BinKernel { positions, vertices, triangles, run, view: &view, target, rules, bins };
+            dispatch(rules.fused, kernel);
+        });
+        chunks
+    }
 }
 
 struct BinKernel<'a> {
@@ -186,47 +201,93 @@ struct BinKernel<'a> {
     view: &'a Viewpoint,
     target: &'a Target,
     rules: &'a RasterRules,
+    bins: &'a mut Bins,
 }
 
 impl Kernel for BinKernel<'_> {
-    type Output = Bins;
+    type Output = ();
 
     #[inline(always)]
-    fn run<M: MultiplyAdd>(self) -> Bins {
-        let Self { positions, vertices, triangles, run, view, target, rules } = self;
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
+        let Self { positions, vertices, triangles, run, view, target, rules, bins } = self;
         let culling = if run.culls_back_faces { Culling::Back } else { Culling::None };
         let extent = Extent { width: target.width, height: target.height };
-        let mut binner = Binner::new(target.tiles_wide(), target.tiles_high(), run.triangles.len());
-        for id in run.triangles {
-            let corners = triangles[id as usize];
-            let [v0, v1, v2] = corners.map(|corner| vertices.get(corner));
-            if v0.outcode & v1.outcode & v2.outcode != 0 {
-                continue;
-            }
-            let codes = v0.outcode | v1.outcode | v2.outcode;
-            if codes == 0 {
-                if let Some(triangle) = setup_triangle(id, v0, v1, v2, culling, extent, rules) {
-                    binner.push(triangle);
-                }
-            } else {
-                let clip = corners.map(|corner| {
-                    let position = positions.get(corner);
-                    view.clip(position.x, position.y, position.z)
-                });
-                clip_triangle::<M>(clip, codes, view, rules, |v0, v1, v2| {
-                    if let Some(triangle) = setup_triangle(id, &v0, &v1, &v2, culling, extent, rules) {
-                        binner.push(triangle);
+        let mut waiting = Waiting::default();
+        let ids = run.triangles;
+        for first in ids.clone().step_by(LANES) {
+            let count = (ids.end - first).min(LANES as u32) as usize;
+            let here = &triangles[first as usize..first as usize + count];
+            let mut corners = [here[0]; LANES];
+            corners[..count].copy_from_slice(here);
+            let look = look_at::<L>(vertices, &corners, culling, extent, rules);
+            let mut left = (look.small | look.rest) & ((1 << count) - 1);
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let id = first + lane as u32;
+                if look.small >> lane & 1 != 0 {
+                    waiting.push(id, corners[lane]);
+                    if waiting.count == LANES {
+                        waiting.flush::<L>(vertices, extent, rules, bins);
                     }
-                });
+                } else {
+                    // What came before goes before it: triangles stay in order.
+                    waiting.flush::<L>(vertices, extent, rules, bins);
+                    let codes = corners[lane].map(|corner| vertices.grid(corner).outcode());
+                    let codes = codes[0] | codes[1] | codes[2];
+                    let mut emit = |v0: WindowVertex, v1: WindowVertex, v2: WindowVertex| {
+                        if let Some(triangle) = setup_large(id, [&v0, &v1, &v2], culling, extent, rules) {
+                            bins.push_large(triangle);
+                        }
+                    };
+                    if codes == 0 {
+                        let [v0, v1, v2] = corners[lane].map(|corner| vertices.vertex(corner));
+                        emit(v0, v1, v2);
+                    } else {
+                        let clip = corners[lane].map(|corner| {
+                            let position = positions.get(corner);
+                            view.clip(position.x, position.y, position.z)
+                        });
+                        clip_triangle::<M>(clip, codes, view, rules, emit);
+                    }
+                }
             }
         }
-        binner.finish()
+        waiting.flush::<L>(vertices, extent, rules, bins);
+        bins.finish();
+    }
+}
+
+/// Small triangles that wait until there are eight.
+#[derive(Default)]
+struct Waiting {
+    count: usize,
+    ids: [u32; LANES],
+    corners: [[u32; 3]; LANES],
+}
+
+impl Waiting {
+    #[inline(always)]
+    fn push(&mut self, id: u32, corners: [u32; 3]) {
+        self.ids[self.count] = id;
+        self.corners[self.count] = corners;
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn flush<L: Lanes>(&mut self, vertices: &Transformed, extent: Extent, rules: &RasterRules, bins: &mut Bins) {
+        if self.count > 0 {
+            // Lanes that nothing waits in hold triangles of earlier times, or the first one.
+            let emit = |triangle| bins.push_small(triangle);
+            setup_small::<L>(vertices, &self.ids, &self.corners, self.count, extent, rules, emit);
+            self.count = 0;
+        }
     }
 }
 
 fn draw_tile<T: Tile, A: AlphaTest>(
     tile: &mut T,
-    chunks: &[Chunk],
+    chunks: &[Bins],
     target: &Target,
     tile_x: usize,
     tile_y: usize,
@@ -234,15 +295,15 @@ fn draw_tile<T: Tile, A: AlphaTest>(
     alpha_test: &A,
 ) {
     let index = tile_y * target.tiles_wide() + tile_x;
-    dispatch(rules.fused, TileKernel { tile, chunks, index, left: tile_x * TILE_SIZE, top: tile_y * TILE_SIZE, alpha_test });
+    let corner = Corner { left: tile_x * TILE_SIZE, top: tile_y * TILE_SIZE };
+    dispatch(rules.fused, TileKernel { tile, chunks, index, corner, alpha_test });
 }
 
 struct TileKernel<'a, T, A> {
     tile: &'a mut T,
-    chunks: &'a [Chunk],
+    chunks: &'a [Bins],
     index: usize,
-    left: usize,
-    top: usize,
+    corner: Corner,
     alpha_test: &'a A,
 }
 
@@ -250,12 +311,25 @@ impl<T: Tile, A: AlphaTest> Kernel for TileKernel<'_, T, A> {
     type Output = ();
 
     #[inline(always)]
-    fn run<M: MultiplyAdd>(self) {
-        self.tile.clear();
-        for chunk in self.chunks {
-            for triangle in chunk.bins.of_tile(self.index) {
-                let alpha_test = chunk.is_masked.then_some(self.alpha_test);
-                draw_triangle::<M, T>(self.tile, self.left, self.top, triangle, alpha_test);
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
+        let Self { tile, chunks, index, corner, alpha_test } = self;
+        tile.clear();
+        for chunk in chunks {
+            if chunk.is_masked {
+                for triangle in chunk.of_tile(index) {
+                    let part = match triangle {
+                        Binned::Small(triangle) => Part::of_small(triangle, corner),
+                        Binned::Large(triangle) => Part::of_large(triangle, corner),
+                    };
+                    draw_masked::<L, M, T>(tile, corner, &part, alpha_test);
+                }
+            } else {
+                for triangle in chunk.of_tile(index) {
+                    match triangle {
+                        Binned::Small(triangle) => draw_small::<L, M, T>(tile, corner, triangle),
+                        Binned::Large(triangle) => draw_large::<L, M, T>(tile, corner, triangle),
+                    }
+                }
             }
         }
     }

@@ -1,26 +1,95 @@
 //! A triangle's edge functions and depth plane.
+//!
+//! Most triangles of a dense mesh are smaller than a few pixels, and most of those miss every pixel centre: [`look_at`] tells
+//! eight of them at a time from the rest, and [`setup_small`] sets eight of those up that are left, in 32-bit numbers.
+//! Large and clipped ones take their time in [`setup_large`].
 
-use super::{DepthPlaneRule, RasterRules, transform::WindowVertex};
+use std::ops::{Add, Div, Mul, Sub};
 
-/// A triangle ready to be sampled.
+use super::{
+    DepthPlaneRule, RasterRules,
+    transform::{OUTCODE_BITS, Transformed, WindowVertex},
+};
+use crate::kernel::{
+    LANES,
+    lanes::{Floats, Ints, Lanes},
+};
+
+/// A triangle ready to be sampled. A sample at pixel `(x, y)` is inside if `c - a (x - min_x) + b (y - min_y) >= 0` for all three edges: whole
+/// pixels, the top-left rule included.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TriangleSetup {
+pub(crate) struct SmallTriangle {
     /// The index of the triangle.
+    pub(crate) id: u32,
+    /// The first column and row of pixel centres in its bounding box.
+    pub(crate) min_x: u16,
+    pub(crate) min_y: u16,
+    /// How many columns and rows there are after the first, below [`SMALL_PIXELS`].
+    pub(crate) more_x: u8,
+    pub(crate) more_y: u8,
+    /// The first two edges' coefficients; since the edges are a closed walk, the third's are what is missing to zero.
+    a: [i16; 2],
+    b: [i16; 2],
+    pub(crate) c: [i32; 3],
+    /// Depth at the centre of the target's pixel (0, 0), and its change per pixel.
+    pub(crate) plane: DepthPlane,
+}
+
+/// A small triangle is at most this many pixels wide and high: its edge functions then fit 32 bits on the finest grid, and it touches at most two
+/// tiles on each axis.
+pub(crate) const SMALL_PIXELS: i32 = 64;
+
+impl SmallTriangle {
+    #[inline(always)]
+    pub(crate) fn a(&self) -> [i32; 3] {
+        let [a0, a1] = self.a.map(i32::from);
+        [a0, a1, -(a0 + a1)]
+    }
+
+    #[inline(always)]
+    pub(crate) fn b(&self) -> [i32; 3] {
+        let [b0, b1] = self.b.map(i32::from);
+        [b0, b1, -(b0 + b1)]
+    }
+}
+
+/// A triangle of any size. A sample at pixel `(x, y)` is inside if `c - a x + b y >= 0` for all three edges.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LargeTriangle {
     pub(crate) id: u32,
     /// The first and last columns and rows of pixel centres in its bounding box.
     pub(crate) min_x: u16,
     pub(crate) max_x: u16,
     pub(crate) min_y: u16,
     pub(crate) max_y: u16,
-    /// A sample at pixel (x, y) is inside if `edge_c - edge_a * x + edge_b * y >= 0` for all three edges: whole pixels, the top-left rule
-    /// included.
-    pub(crate) edge_a: [i32; 3],
-    pub(crate) edge_b: [i32; 3],
-    pub(crate) edge_c: [i64; 3],
-    /// Depth at the centre of pixel (0, 0), and its change per pixel.
-    pub(crate) z: f32,
-    pub(crate) dz_dx: f32,
-    pub(crate) dz_dy: f32,
+    pub(crate) a: [i32; 3],
+    pub(crate) b: [i32; 3],
+    pub(crate) c: [i64; 3],
+    pub(crate) plane: DepthPlane,
+}
+
+/// Depth as a function of the pixel: `origin + dx x + dy y` at its centre. Of one triangle, or of eight.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct DepthPlane<F = f32> {
+    pub(crate) origin: F,
+    pub(crate) dx: F,
+    pub(crate) dy: F,
+}
+
+impl<F: Copy + Add<Output = F> + Sub<Output = F> + Mul<Output = F> + Div<Output = F>> DepthPlane<F> {
+    /// The plane through three points of the window: x and y in pixels, z as depth. `one` and `half` are those of `F`.
+    #[inline(always)]
+    fn through([p0, p1, p2]: [[F; 3]; 3], one: F, half: F) -> Self {
+        let (dx01, dy01) = (p0[0] - p1[0], p0[1] - p1[1]);
+        let (dx20, dy20) = (p2[0] - p0[0], p2[1] - p0[1]);
+        let inverse_area = one / (dx01 * dy20 - dy01 * dx20);
+        let dz01 = p0[2] - p1[2];
+        let dz20 = p2[2] - p0[2];
+        let dx = dz01 * (dy20 * inverse_area) - dz20 * (dy01 * inverse_area);
+        let dy = dz20 * (dx01 * inverse_area) - dz01 * (dx20 * inverse_area);
+        let origin = p0[2] - (dx * (p0[0] - half) + dy * (p0[1] - half));
+        Self { origin, dx, dy }
+    }
 }
 
 /// Which way a triangle may face.
@@ -39,26 +108,207 @@ pub(crate) struct Extent {
     pub(crate) height: u32,
 }
 
-/// Sets a triangle up; `None` if it covers no sample, has no area on the grid, or is culled.
+/// What a first look at eight triangles found: a bit for each, the first one's lowest. Those in neither set cover no sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FirstLook {
+    /// For [`setup_small`].
+    pub(crate) small: u32,
+    /// For [`setup_large`], after clipping where they cross a plane.
+    pub(crate) rest: u32,
+}
+
+/// The first and last whole pixel of an interval on the grid, cut to what is drawn.
 #[inline(always)]
-pub(crate) fn setup_triangle(
-    id: u32,
-    v0: &WindowVertex,
-    v1: &WindowVertex,
-    v2: &WindowVertex,
+fn pixels(low: i32, high: i32, bits: u32, size: u32) -> (i32, i32) {
+    ((low + ((1 << bits) - 1)) >> bits, (high >> bits).min(size as i32 - 1))
+}
+
+/// As [`pixels`], for eight intervals.
+#[inline(always)]
+fn pixels_of<I: Ints>(low: I, high: I, bits: u32, size: u32) -> (I, I) {
+    let first = (low + I::splat((1 << bits) - 1)).shift_right(bits).max(I::splat(0));
+    (first, high.shift_right(bits).min(I::splat(size as i32 - 1)))
+}
+
+/// Twice the signed area of eight triangles on the grid.
+#[inline(always)]
+fn area_of<I: Ints>(x: [I; 3], y: [I; 3]) -> I {
+    (x[0] - x[1]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[0] - y[1])
+}
+
+/// The smallest and the largest of three, in each lane.
+#[inline(always)]
+fn range_of<I: Ints>([a, b, c]: [I; 3]) -> (I, I) {
+    (a.min(b).min(c), a.max(b).max(c))
+}
+
+/// One corner of eight triangles on the grid: x with the outcode below it, and y.
+#[inline(always)]
+fn grid_corner<L: Lanes>(vertices: &Transformed, corners: &[[u32; 3]; LANES], corner: usize) -> [L::I; 2] {
+    let mut pairs = [0; LANES];
+    for lane in 0..LANES {
+        pairs[lane] = vertices.grid(corners[lane][corner]).0;
+    }
+    L::I::columns(pairs)
+}
+
+/// A first look at eight triangles.
+#[inline(always)]
+pub(crate) fn look_at<L: Lanes>(
+    vertices: &Transformed,
+    corners: &[[u32; 3]; LANES],
     culling: Culling,
     extent: Extent,
     rules: &RasterRules,
-) -> Option<TriangleSetup> {
-    // The bounding box in whole pixels comes first: most triangles of a dense mesh miss every pixel centre.
+) -> FirstLook {
     let bits = rules.subpixel_bits;
-    let round_up = (1 << bits) - 1;
-    let min_x = (v0.grid_x.min(v1.grid_x).min(v2.grid_x) + round_up) >> bits;
-    let max_x = v0.grid_x.max(v1.grid_x).max(v2.grid_x) >> bits;
-    let min_y = (v0.grid_y.min(v1.grid_y).min(v2.grid_y) + round_up) >> bits;
-    let max_y = v0.grid_y.max(v1.grid_y).max(v2.grid_y) >> bits;
-    let (min_x, max_x) = (min_x.max(0), max_x.min(extent.width as i32 - 1));
-    let (min_y, max_y) = (min_y.max(0), max_y.min(extent.height as i32 - 1));
+    let [v0, v1, v2] =
+        [grid_corner::<L>(vertices, corners, 0), grid_corner::<L>(vertices, corners, 1), grid_corner::<L>(vertices, corners, 2)];
+    let x = [v0[0].shift_right(OUTCODE_BITS), v1[0].shift_right(OUTCODE_BITS), v2[0].shift_right(OUTCODE_BITS)];
+    let y = [v0[1], v1[1], v2[1]];
+    let code_bits = L::I::splat((1 << OUTCODE_BITS) - 1);
+    let all = v0[0] & v1[0] & v2[0] & code_bits;
+    let any = (v0[0] | v1[0] | v2[0]) & code_bits;
+    let zero = L::I::splat(0);
+    // Of triangles that cross a plane the grid coordinates mean nothing, and what follows is not looked at.
+    let crosses = any.greater(zero);
+    let outside = all.greater(zero);
+
+    let (low_x, high_x) = range_of(x);
+    let (low_y, high_y) = range_of(y);
+    let (min_x, max_x) = pixels_of(low_x, high_x, bits, extent.width);
+    let (min_y, max_y) = pixels_of(low_y, high_y, bits, extent.height);
+    let misses = min_x.greater(max_x) | min_y.greater(max_y);
+    let limit = L::I::splat((SMALL_PIXELS - 1) << bits);
+    let is_small = limit.greater(high_x - low_x) & limit.greater(high_y - low_y);
+    // Wraps where the triangle is not small.
+    let area = area_of(x, y);
+    let faces_away = area.equal(zero) | if culling == Culling::Back { zero.greater(area) } else { zero };
+
+    let (crosses, outside, misses) = (crosses.negative_bits(), outside.negative_bits(), misses.negative_bits());
+    let (is_small, faces_away) = (is_small.negative_bits(), faces_away.negative_bits());
+    let whole = !crosses & !misses;
+    FirstLook { small: whole & is_small & !faces_away, rest: (crosses & !outside) | (whole & !is_small) }
+}
+
+/// Sets up the first `count` of eight triangles that [`look_at`] found small, and passes on those that may cover a sample.
+#[inline(always)]
+pub(crate) fn setup_small<L: Lanes>(
+    vertices: &Transformed,
+    ids: &[u32; LANES],
+    corners: &[[u32; 3]; LANES],
+    count: usize,
+    extent: Extent,
+    rules: &RasterRules,
+    mut emit: impl FnMut(SmallTriangle),
+) {
+    let bits = rules.subpixel_bits;
+    let zero = L::I::splat(0);
+    let mut x = [zero; 3];
+    let mut y = [zero; 3];
+    let mut points = [[L::F::splat(0.0); 3]; 3];
+    for corner in 0..3 {
+        let [word, grid_y] = grid_corner::<L>(vertices, corners, corner);
+        x[corner] = word.shift_right(OUTCODE_BITS);
+        y[corner] = grid_y;
+        let mut rows = [&[0.0; 4]; LANES];
+        for lane in 0..LANES {
+            rows[lane] = vertices.window(corners[lane][corner]);
+        }
+        points[corner] = L::F::columns(rows);
+    }
+    // Clockwise triangles go the other way round.
+    let swaps = area_of(x, y);
+    (x[1], x[2]) = (swaps.select_negative_ints(x[2], x[1]), swaps.select_negative_ints(x[1], x[2]));
+    (y[1], y[2]) = (swaps.select_negative_ints(y[2], y[1]), swaps.select_negative_ints(y[1], y[2]));
+    for axis in 0..3 {
+        let (first, second) = (points[1][axis], points[2][axis]);
+        points[1][axis] = swaps.select_negative(second, first);
+        points[2][axis] = swaps.select_negative(first, second);
+    }
+    if rules.depth_plane == DepthPlaneRule::Snapped {
+        let inverse_scale = L::F::splat(1.0 / rules.subpixel_scale());
+        for corner in 0..3 {
+            // The scale is a power of two: its inverse is exact.
+            points[corner][0] = x[corner].to_floats() * inverse_scale + L::F::splat(0.5);
+            points[corner][1] = y[corner].to_floats() * inverse_scale + L::F::splat(0.5);
+        }
+    }
+
+    let (low_x, high_x) = range_of(x);
+    let (low_y, high_y) = range_of(y);
+    let (min_x, max_x) = pixels_of(low_x, high_x, bits, extent.width);
+    let (min_y, max_y) = pixels_of(low_y, high_y, bits, extent.height);
+    let (more_x, more_y) = (max_x - min_x, max_y - min_y);
+
+    // Edge values at the first pixel of the box, with all distances from its centre: they stay small.
+    let (left, top) = (min_x.shift_left(bits), min_y.shift_left(bits));
+    let mut edges = [[[0; LANES]; 3]; 3];
+    let mut outside = zero;
+    for (edge, [from, to]) in [[0, 1], [1, 2], [2, 0]].into_iter().enumerate() {
+        let a = y[from] - y[to];
+        let b = x[from] - x[to];
+        let value = a * (x[from] - left) - b * (y[from] - top);
+        // The top-left rule: samples exactly on such an edge are inside. -1 for the other edges.
+        let is_other = (L::I::splat(-1) - zero.greater(a)) & (L::I::splat(-1) - (a.equal(zero) & b.greater(L::I::splat(-1))));
+        // value > 0 in steps of the grid's square, and (value - 1) >> bits >= 0 in whole pixels, are the same test.
+        let c = (value + is_other).shift_right(bits);
+        outside = outside | c;
+        a.store(&mut edges[edge][0]);
+        b.store(&mut edges[edge][1]);
+        c.store(&mut edges[edge][2]);
+    }
+    // A box of a single pixel is decided here.
+    let is_single = (more_x | more_y).equal(zero);
+    let covers = !(is_single & outside).negative_bits();
+
+    let plane = DepthPlane::<L::F>::through(points, L::F::splat(1.0), L::F::splat(0.5));
+    let mut box_ = [[0; LANES]; 4];
+    for (lanes, values) in box_.iter_mut().zip([min_x, min_y, more_x, more_y]) {
+        values.store(lanes);
+    }
+    let mut planes = [[0.0; LANES]; 3];
+    for (lanes, values) in planes.iter_mut().zip([plane.origin, plane.dx, plane.dy]) {
+        values.store(lanes);
+    }
+    for lane in 0..count {
+        if covers >> lane & 1 != 0 {
+            emit(SmallTriangle {
+                id: ids[lane],
+                min_x: box_[0][lane] as u16,
+                min_y: box_[1][lane] as u16,
+                more_x: box_[2][lane] as u8,
+                more_y: box_[3][lane] as u8,
+                a: [edges[0][0][lane] as i16, edges[1][0][lane] as i16],
+                b: [edges[0][1][lane] as i16, edges[1][1][lane] as i16],
+                c: [edges[0][2][lane], edges[1][2][lane], edges[2][2][lane]],
+                plane: DepthPlane { origin: planes[0][lane], dx: planes[1][lane], dy: planes[2][lane] },
+            });
+        }
+    }
+}
+
+/// A vertex of the depth plane where it goes through the grid.
+#[inline(always)]
+fn snapped(grid_x: i32, grid_y: i32, z: f32, rules: &RasterRules) -> [f32; 3] {
+    [grid_x as f32 / rules.subpixel_scale() + 0.5, grid_y as f32 / rules.subpixel_scale() + 0.5, z]
+}
+
+/// Sets a triangle of any size up; `None` if it covers no sample, has no area on the grid, or is culled.
+#[inline(always)]
+pub(crate) fn setup_large(
+    id: u32,
+    [v0, v1, v2]: [&WindowVertex; 3],
+    culling: Culling,
+    extent: Extent,
+    rules: &RasterRules,
+) -> Option<LargeTriangle> {
+    let bits = rules.subpixel_bits;
+    let low = |f: fn(&WindowVertex) -> i32| f(v0).min(f(v1)).min(f(v2));
+    let high = |f: fn(&WindowVertex) -> i32| f(v0).max(f(v1)).max(f(v2));
+    let (min_x, max_x) = pixels(low(|v| v.grid_x), high(|v| v.grid_x), bits, extent.width);
+    let (min_y, max_y) = pixels(low(|v| v.grid_y), high(|v| v.grid_y), bits, extent.height);
+    let (min_x, min_y) = (min_x.max(0), min_y.max(0));
     if min_x > max_x || min_y > max_y {
         return None;
     }
@@ -70,49 +320,29 @@ pub(crate) fn setup_triangle(
     }
     let (v1, v2) = if area < 0 { (v2, v1) } else { (v1, v2) };
 
-    let mut edge_a = [0; 3];
-    let mut edge_b = [0; 3];
-    let mut edge_c = [0; 3];
+    let mut a = [0; 3];
+    let mut b = [0; 3];
+    let mut c = [0; 3];
     for (edge, (from, to)) in [(v0, v1), (v1, v2), (v2, v0)].into_iter().enumerate() {
-        let a = from.grid_y - to.grid_y;
-        let b = from.grid_x - to.grid_x;
-        let mut c = i64::from(a) * i64::from(from.grid_x) - i64::from(b) * i64::from(from.grid_y);
-        // The top-left rule: samples exactly on such an edge are inside.
-        if a < 0 || (a == 0 && b >= 0) {
-            c += 1;
-        }
-        edge_a[edge] = a;
-        edge_b[edge] = b;
-        // c > 0 in steps of the grid's square, and (c - 1) >> bits >= 0 in whole pixels, are the same test.
-        edge_c[edge] = (c - 1) >> bits;
+        a[edge] = from.grid_y - to.grid_y;
+        b[edge] = from.grid_x - to.grid_x;
+        let value = i64::from(a[edge]) * i64::from(from.grid_x) - i64::from(b[edge]) * i64::from(from.grid_y);
+        let is_top_left = a[edge] < 0 || (a[edge] == 0 && b[edge] >= 0);
+        c[edge] = (value - i64::from(!is_top_left)) >> bits;
     }
-
-    let [p0, p1, p2] = [v0, v1, v2].map(|v| match rules.depth_plane {
-        DepthPlaneRule::Unsnapped => (v.x, v.y),
-        DepthPlaneRule::Snapped => {
-            (v.grid_x as f32 / rules.subpixel_scale() + 0.5, v.grid_y as f32 / rules.subpixel_scale() + 0.5)
-        }
+    let points = [v0, v1, v2].map(|v| match rules.depth_plane {
+        DepthPlaneRule::Unsnapped => [v.x, v.y, v.z],
+        DepthPlaneRule::Snapped => snapped(v.grid_x, v.grid_y, v.z, rules),
     });
-    let (dx01, dy01) = (p0.0 - p1.0, p0.1 - p1.1);
-    let (dx20, dy20) = (p2.0 - p0.0, p2.1 - p0.1);
-    let inverse_area = 1.0 / (dx01 * dy20 - dy01 * dx20);
-    let dz01 = v0.z - v1.z;
-    let dz20 = v2.z - v0.z;
-    let dz_dx = dz01 * (dy20 * inverse_area) - dz20 * (dy01 * inverse_area);
-    let dz_dy = dz20 * (dx01 * inverse_area) - dz01 * (dx20 * inverse_area);
-    let z = v0.z - (dz_dx * (p0.0 - 0.5) + dz_dy * (p0.1 - 0.5));
-
-    Some(TriangleSetup {
+    Some(LargeTriangle {
         id,
         min_x: min_x as u16,
         max_x: max_x as u16,
         min_y: min_y as u16,
         max_y: max_y as u16,
-        edge_a,
-        edge_b,
-        edge_c,
-        z,
-        dz_dx,
-        dz_dy,
+        a,
+        b,
+        c,
+        plane: DepthPlane::through(points, 1.0, 0.5),
     })
 }

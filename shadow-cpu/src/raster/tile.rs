@@ -1,54 +1,99 @@
-//! One tile: triangles sampled eight pixels at a time.
+//! One tile's memory: eight samples at a time, and how far the farthest of each block lies.
 
 use shadow_scene::NO_TRIANGLE;
 
-use super::{bins::TILE_SIZE, pass::AlphaTest, setup::TriangleSetup};
-use crate::kernel::{LANES, MultiplyAdd};
+use super::bins::TILE_SIZE;
+use crate::kernel::{
+    LANES,
+    lanes::{Floats, Ints, Lanes},
+};
 
-const PIXELS: usize = TILE_SIZE * TILE_SIZE;
+/// From a pixel of a tile to the one below it. A vector may begin at any pixel of a row; what it has beyond the row's end falls into the padding.
+pub(crate) const STRIDE: usize = TILE_SIZE + LANES;
+/// Rows are drawn in steps of so many; those beyond the last row fall into the padding.
+pub(crate) const ROW_STEP: usize = 4;
+/// Pixels of a tile with its padding.
+const PIXELS: usize = STRIDE * (TILE_SIZE + ROW_STEP);
+/// Blocks of a vector's width and as many rows in a row of a tile, and in a column of it.
+pub(crate) const ROW_BLOCKS: usize = TILE_SIZE / LANES;
 
 /// The depth of a shadow map where nothing was drawn.
-const FAR_DEPTH: f32 = 1.0;
+pub(crate) const FAR_DEPTH: f32 = 1.0;
 
 /// A tile of a depth map: the smallest depth wins.
 #[derive(Clone)]
 pub(crate) struct DepthTile {
     pub(crate) depth: [f32; PIXELS],
+    farthest: [[f32; ROW_BLOCKS]; ROW_BLOCKS],
 }
 
 /// A tile of a visibility buffer with reversed depth: the largest depth wins, and of equals the first.
 #[derive(Clone)]
 pub(crate) struct VisibilityTile {
     pub(crate) depth: [f32; PIXELS],
-    pub(crate) triangle: [u32; PIXELS],
+    /// The bits of the triangles' indices.
+    pub(crate) triangle: [i32; PIXELS],
+    farthest: [[f32; ROW_BLOCKS]; ROW_BLOCKS],
 }
 
-/// What samples are written into.
+/// What samples are written into. A tile keeps a bound on the farthest depth in each of its blocks; it may lie behind the truth, never before it.
 pub(crate) trait Tile {
+    /// Whether a smaller depth is nearer.
+    const SMALLER_IS_NEARER: bool;
+
     fn clear(&mut self);
 
-    /// Offers eight samples side by side to the pixels from `offset`; lanes that are not inside are left alone.
-    fn write(&mut self, offset: usize, inside: [bool; LANES], z: [f32; LANES], id: u32);
+    /// Offers eight samples side by side; lanes that are negative in `outside` are left alone. Gives the depths that stand after it.
+    fn write<L: Lanes>(&mut self, offset: usize, outside: L::I, z: L::F, id: u32) -> L::F;
 
     /// Whether one sample would be seen.
     fn accepts(&self, offset: usize, z: f32) -> bool;
 
     /// Writes one sample that was accepted.
     fn write_one(&mut self, offset: usize, z: f32, id: u32);
+
+    /// The bounds of a row of blocks.
+    fn farthest(&mut self, block_row: usize) -> &mut [f32; ROW_BLOCKS];
+
+    /// All bits set where `near` lies before `far`.
+    #[inline(always)]
+    fn before<L: Lanes>(near: L::F, far: L::F) -> L::I {
+        if Self::SMALLER_IS_NEARER { near.less(far) } else { far.less(near) }
+    }
+
+    /// The farther of each pair.
+    #[inline(always)]
+    fn farther<L: Lanes>(a: L::F, b: L::F) -> L::F {
+        if Self::SMALLER_IS_NEARER { a.max(b) } else { a.min(b) }
+    }
+}
+
+/// The vector of pixels that begins at `offset`.
+///
+/// # Panics
+///
+/// If it does not lie within the tile.
+#[inline(always)]
+fn lanes_at<T>(pixels: &mut [T; PIXELS], offset: usize) -> &mut [T; LANES] {
+    let lanes = &mut pixels[offset..offset + LANES];
+    lanes.first_chunk_mut().expect("the slice is as long as a vector")
 }
 
 impl Tile for DepthTile {
+    const SMALLER_IS_NEARER: bool = true;
+
+    #[inline(always)]
     fn clear(&mut self) {
-        self.depth.fill(FAR_DEPTH);
+        self.depth = [FAR_DEPTH; PIXELS];
+        self.farthest = [[FAR_DEPTH; ROW_BLOCKS]; ROW_BLOCKS];
     }
 
     #[inline(always)]
-    fn write(&mut self, offset: usize, inside: [bool; LANES], z: [f32; LANES], _id: u32) {
-        let Some(depth) = self.depth[offset..].first_chunk_mut::<LANES>() else { return };
-        for lane in 0..LANES {
-            let wins = inside[lane] & (z[lane] < depth[lane]);
-            depth[lane] = if wins { z[lane] } else { depth[lane] };
-        }
+    fn write<L: Lanes>(&mut self, offset: usize, outside: L::I, z: L::F, _id: u32) -> L::F {
+        let depth = lanes_at(&mut self.depth, offset);
+        let stands = outside.select_negative(L::F::splat(FAR_DEPTH), z).min(L::F::load(depth));
+        stands.store(depth);
+        stands
     }
 
     #[inline(always)]
@@ -60,23 +105,34 @@ impl Tile for DepthTile {
     fn write_one(&mut self, offset: usize, z: f32, _id: u32) {
         self.depth[offset] = z;
     }
+
+    #[inline(always)]
+    fn farthest(&mut self, block_row: usize) -> &mut [f32; ROW_BLOCKS] {
+        &mut self.farthest[block_row]
+    }
 }
 
 impl Tile for VisibilityTile {
+    const SMALLER_IS_NEARER: bool = false;
+
+    #[inline(always)]
     fn clear(&mut self) {
-        self.depth.fill(0.0);
-        self.triangle.fill(NO_TRIANGLE);
+        self.depth = [0.0; PIXELS];
+        self.triangle = [NO_TRIANGLE as i32; PIXELS];
+        self.farthest = [[0.0; ROW_BLOCKS]; ROW_BLOCKS];
     }
 
     #[inline(always)]
-    fn write(&mut self, offset: usize, inside: [bool; LANES], z: [f32; LANES], id: u32) {
-        let Some(depth) = self.depth[offset..].first_chunk_mut::<LANES>() else { return };
-        let Some(triangle) = self.triangle[offset..].first_chunk_mut::<LANES>() else { return };
-        for lane in 0..LANES {
-            let wins = inside[lane] & (z[lane] > depth[lane]);
-            depth[lane] = if wins { z[lane] } else { depth[lane] };
-            triangle[lane] = if wins { id } else { triangle[lane] };
-        }
+    fn write<L: Lanes>(&mut self, offset: usize, outside: L::I, z: L::F, id: u32) -> L::F {
+        let (depth, triangle) = (lanes_at(&mut self.depth, offset), lanes_at(&mut self.triangle, offset));
+        // Nothing is farther than 0, so that a lane that is outside never wins.
+        let offered = outside.select_negative(L::F::splat(0.0), z);
+        let stood = L::F::load(depth);
+        let wins = stood.less(offered);
+        let stands = wins.select_negative(offered, stood);
+        stands.store(depth);
+        wins.select_negative_ints(L::I::splat(id as i32), L::I::load(triangle)).store(triangle);
+        stands
     }
 
     #[inline(always)]
@@ -87,99 +143,23 @@ impl Tile for VisibilityTile {
     #[inline(always)]
     fn write_one(&mut self, offset: usize, z: f32, id: u32) {
         self.depth[offset] = z;
-        self.triangle[offset] = id;
+        self.triangle[offset] = id as i32;
+    }
+
+    #[inline(always)]
+    fn farthest(&mut self, block_row: usize) -> &mut [f32; ROW_BLOCKS] {
+        &mut self.farthest[block_row]
     }
 }
 
 impl Default for DepthTile {
     fn default() -> Self {
-        Self { depth: [FAR_DEPTH; PIXELS] }
+        Self { depth: [FAR_DEPTH; PIXELS], farthest: [[FAR_DEPTH; ROW_BLOCKS]; ROW_BLOCKS] }
     }
 }
 
 impl Default for VisibilityTile {
     fn default() -> Self {
-        Self { depth: [0.0; PIXELS], triangle: [NO_TRIANGLE; PIXELS] }
-    }
-}
-
-/// Edge values beyond this cannot come back to zero within a tile, whose 63 steps on each axis are at most `2^23` each; and after them they
-/// still fit 32 bits. Only the values behind the last column and row, which nobody looks at, can wrap.
-const EDGE_LIMIT: i64 = (1 << 30) - 1;
-
-/// Samples a triangle in the tile whose first pixel is `(left, top)`.
-#[inline(always)]
-pub(crate) fn draw_triangle<M: MultiplyAdd, T: Tile>(
-    tile: &mut T,
-    left: usize,
-    top: usize,
-    triangle: &TriangleSetup,
-    alpha_test: Option<&impl AlphaTest>,
-) {
-    let x0 = usize::from(triangle.min_x).max(left);
-    let x1 = usize::from(triangle.max_x).min(left + TILE_SIZE - 1);
-    let y0 = usize::from(triangle.min_y).max(top);
-    let y1 = usize::from(triangle.max_y).min(top + TILE_SIZE - 1);
-    let first_vector = (x0 - left) / LANES;
-    let last_vector = (x1 - left) / LANES;
-    let first_x = left + first_vector * LANES;
-
-    // The edge values of the first vector's lanes in the first row.
-    let mut row = [[0_i32; LANES]; 3];
-    let mut step_x = [0; 3];
-    for edge in 0..3 {
-        let (a, b) = (triangle.edge_a[edge], triangle.edge_b[edge]);
-        let start = triangle.edge_c[edge] - i64::from(a) * first_x as i64 + i64::from(b) * y0 as i64;
-        let start = start.clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32;
-        for lane in 0..LANES {
-            row[edge][lane] = start - a * lane as i32;
-        }
-        step_x[edge] = a * LANES as i32;
-    }
-
-    for y in y0..=y1 {
-        let mut edges = row;
-        let py = y as f32;
-        for vector in first_vector..=last_vector {
-            let mut inside = [false; LANES];
-            let mut any = -1;
-            for lane in 0..LANES {
-                // Negative if any of the three is: the sign bits are joined.
-                let outside = edges[0][lane] | edges[1][lane] | edges[2][lane];
-                inside[lane] = outside >= 0;
-                any &= outside;
-            }
-            if any >= 0 {
-                let x = left + vector * LANES;
-                let mut z = [0.0; LANES];
-                for lane in 0..LANES {
-                    let px = (x + lane) as i32 as f32;
-                    let along_row = M::multiply_add(triangle.dz_dx, px, triangle.z);
-                    z[lane] = M::multiply_add(triangle.dz_dy, py, along_row).max(0.0).min(1.0);
-                }
-                let offset = (y - top) * TILE_SIZE + vector * LANES;
-                match alpha_test {
-                    None => tile.write(offset, inside, z, triangle.id),
-                    Some(test) => {
-                        for lane in 0..LANES {
-                            let is_seen = inside[lane] && tile.accepts(offset + lane, z[lane]);
-                            if is_seen && test.passes(triangle.id, (x + lane) as u32, y as u32) {
-                                tile.write_one(offset + lane, z[lane], triangle.id);
-                            }
-                        }
-                    }
-                }
-            }
-            for edge in 0..3 {
-                for lane in 0..LANES {
-                    edges[edge][lane] = edges[edge][lane].wrapping_sub(step_x[edge]);
-                }
-            }
-        }
-        for edge in 0..3 {
-            for lane in 0..LANES {
-                row[edge][lane] = row[edge][lane].wrapping_add(triangle.edge_b[edge]);
-            }
-        }
+        Self { depth: [0.0; PIXELS], triangle: [NO_TRIANGLE as i32; PIXELS], farthest: [[0.0; ROW_BLOCKS]; ROW_BLOCKS] }
     }
 }

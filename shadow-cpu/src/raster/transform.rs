@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{ClipRule, RasterRules};
-use crate::kernel::{Kernel, LANES, MultiplyAdd, dispatch};
+use crate::kernel::{Kernel, LANES, MultiplyAdd, dispatch, lanes::Lanes};
 
 /// Vertex positions as separate arrays, padded to whole vectors: the form that the transform reads at full width.
 #[derive(Clone, Debug, Default)]
@@ -70,8 +70,6 @@ pub(crate) struct WindowVertex {
     pub(crate) z: f32,
     pub(crate) grid_x: i32,
     pub(crate) grid_y: i32,
-    /// The planes that the vertex lies outside of.
-    pub(crate) outcode: u32,
 }
 
 /// The rows of a matrix from world to clip space, and the size of the target.
@@ -104,7 +102,6 @@ impl Viewpoint {
             z: clip[2] * inverse_w,
             grid_x: ((x - 0.5) * subpixel_scale).round_ties_even() as i32,
             grid_y: ((y - 0.5) * subpixel_scale).round_ties_even() as i32,
-            outcode: 0,
         }
     }
 
@@ -140,53 +137,107 @@ impl RasterRules {
     }
 }
 
-/// Vertices of one transformed vector.
-pub(crate) type WindowVector = [WindowVertex; LANES];
+/// How far a grid coordinate is shifted to make room for an outcode below it. The coordinates of a vertex inside the clip volume, at most `2^23`
+/// steps, stay within 32 bits.
+pub(crate) const OUTCODE_BITS: u32 = 6;
+
+/// A vertex on the sub-pixel grid in 8 bytes, all that most triangles are looked at with: `x` above the outcode in the low half, `y` in
+/// the high one. Of a vertex that lies outside of some plane only the outcode is meant.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct GridVertex(pub(crate) i64);
+
+impl GridVertex {
+    #[inline(always)]
+    fn new(x: i32, y: i32, outcode: u32) -> Self {
+        let low = (x << OUTCODE_BITS) as u32 | outcode;
+        Self(i64::from(y) << 32 | i64::from(low))
+    }
+
+    #[inline(always)]
+    pub(crate) fn x(self) -> i32 {
+        self.0 as i32 >> OUTCODE_BITS
+    }
+
+    #[inline(always)]
+    pub(crate) fn y(self) -> i32 {
+        (self.0 >> 32) as i32
+    }
+
+    /// The planes that the vertex lies outside of.
+    #[inline(always)]
+    pub(crate) fn outcode(self) -> u32 {
+        self.0 as u32 & ((1 << OUTCODE_BITS) - 1)
+    }
+}
 
 /// Vertices in the window.
-pub(crate) struct Transformed(Vec<WindowVector>);
+#[derive(Debug, Default)]
+pub(crate) struct Transformed {
+    grid: Vec<[GridVertex; LANES]>,
+    /// x, y and z in the window; the fourth number makes one load of it.
+    window: Vec<[[f32; 4]; LANES]>,
+}
 
 impl Transformed {
+    /// A vertex on the grid.
     #[inline(always)]
-    pub(crate) fn get(&self, index: u32) -> &WindowVertex {
-        &self.0[index as usize / LANES][index as usize % LANES]
+    pub(crate) fn grid(&self, index: u32) -> GridVertex {
+        self.grid.as_flattened()[index as usize]
+    }
+
+    /// A vertex that no plane cuts off, whole.
+    #[inline(always)]
+    pub(crate) fn vertex(&self, index: u32) -> WindowVertex {
+        let grid = self.grid(index);
+        let [x, y, z, _] = *self.window(index);
+        WindowVertex { x, y, z, grid_x: grid.x(), grid_y: grid.y() }
+    }
+
+    /// A vertex in the window: x, y and z; the fourth number means nothing.
+    #[inline(always)]
+    pub(crate) fn window(&self, index: u32) -> &[f32; 4] {
+        &self.window.as_flattened()[index as usize]
+    }
+
+    /// Transforms every vertex, into the memory of the last time.
+    pub(crate) fn transform(&mut self, positions: &Positions, view: &Viewpoint, rules: &RasterRules) {
+        self.grid.resize(positions.x.len(), [GridVertex::default(); LANES]);
+        self.window.resize(positions.x.len(), [[0.0; 4]; LANES]);
+        let tasks = self.grid.par_chunks_mut(VECTORS_PER_TASK).zip(self.window.par_chunks_mut(VECTORS_PER_TASK));
+        tasks.enumerate().for_each(|(task, (grid, window))| {
+            let first = task * VECTORS_PER_TASK;
+            dispatch(rules.fused, TransformKernel { positions, view, rules, first, grid, window });
+        });
     }
 }
 
 /// How many vectors one task transforms.
 const VECTORS_PER_TASK: usize = 512;
 
-/// Transforms every vertex.
-pub(crate) fn transform(positions: &Positions, view: &Viewpoint, rules: &RasterRules) -> Transformed {
-    let mut out = vec![[WindowVertex::default(); LANES]; positions.x.len()];
-    out.par_chunks_mut(VECTORS_PER_TASK).enumerate().for_each(|(task, out)| {
-        let first = task * VECTORS_PER_TASK;
-        dispatch(rules.fused, TransformKernel { positions, view, rules, first, out });
-    });
-    Transformed(out)
-}
-
 struct TransformKernel<'a> {
     positions: &'a Positions,
     view: &'a Viewpoint,
     rules: &'a RasterRules,
     first: usize,
-    out: &'a mut [WindowVector],
+    grid: &'a mut [[GridVertex; LANES]],
+    window: &'a mut [[[f32; 4]; LANES]],
 }
 
 impl Kernel for TransformKernel<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<M: MultiplyAdd>(self) {
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
         let side = self.rules.clip_side();
         let scale = self.rules.subpixel_scale();
         let positions = self.positions;
         let vectors = positions.x[self.first..].iter().zip(&positions.y[self.first..]).zip(&positions.z[self.first..]);
-        for (out, ((x, y), z)) in self.out.iter_mut().zip(vectors) {
+        for ((grid, window), ((x, y), z)) in self.grid.iter_mut().zip(self.window).zip(vectors) {
             for lane in 0..LANES {
                 let clip = self.view.clip(x[lane], y[lane], z[lane]);
-                out[lane] = WindowVertex { outcode: Viewpoint::outcode(clip, side), ..self.view.window::<M>(clip, scale) };
+                let vertex = self.view.window::<M>(clip, scale);
+                grid[lane] = GridVertex::new(vertex.grid_x, vertex.grid_y, Viewpoint::outcode(clip, side));
+                window[lane] = [vertex.x, vertex.y, vertex.z, 0.0];
             }
         }
     }
