@@ -17,10 +17,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod buffer;
 mod kernel;
 pub mod raster;
 pub mod resolve;
 pub mod renderer;
 
+pub use buffer::Buffer;
 pub use raster::RasterRules;
-pub use renderer::{CpuError, CpuRenderer, PreparedScene, Rendered};
+pub use renderer::{CpuError, CpuRenderer, Drawn, PreparedScene, Rendered};

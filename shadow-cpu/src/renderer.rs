@@ -9,8 +9,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 
 use crate::{
+    buffer::{Buffer, Pool},
     raster::{MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_visibility},
-    resolve::{SceneAlphaTest, SceneView, ShadowMaps, resolve_color, resolve_visibility},
+    resolve::{Resolved, SceneAlphaTest, SceneView, ShadingVertices, ShadowMaps, resolve, resolve_color},
 };
 
 /// Why the CPU renderer cannot do what was asked for.
@@ -40,9 +41,12 @@ pub enum CpuError {
 /// A renderer with its threads.
 #[derive(Debug)]
 pub struct CpuRenderer {
-    pool: ThreadPool,
+    threads: ThreadPool,
     rules: RasterRules,
     scratch: Mutex<Scratch>,
+    floats: Pool<f32>,
+    triangles: Pool<u32>,
+    colors: Pool<[f32; 4]>,
 }
 
 /// A scene in the form that the CPU renderer works on.
@@ -51,13 +55,14 @@ pub struct PreparedScene<'a> {
     scene: &'a Scene,
     positions: Positions,
     surfaces: Surfaces,
+    vertices: ShadingVertices,
 }
 
 impl PreparedScene<'_> {
     /// The scene with its surfaces.
     #[must_use]
     pub fn view(&self) -> SceneView<'_> {
-        SceneView { scene: self.scene, surfaces: &self.surfaces }
+        SceneView { scene: self.scene, surfaces: &self.surfaces, vertices: &self.vertices }
     }
 }
 
@@ -65,9 +70,24 @@ impl PreparedScene<'_> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraBuffer {
     /// The triangle of each pixel.
-    pub triangles: Vec<u32>,
+    pub triangles: Buffer<u32>,
     /// The reversed depth of each pixel.
-    pub depth: Vec<f32>,
+    pub depth: Buffer<f32>,
+}
+
+/// A frame as the renderer has it; what was not needed is empty.
+#[derive(Debug, Default)]
+pub struct Drawn {
+    /// What the camera sees.
+    pub camera: CameraBuffer,
+    /// The shadow maps.
+    pub maps: ShadowMaps,
+    /// The visibility of every light at every pixel, the lights of a pixel side by side.
+    pub visibility: Buffer<f32>,
+    /// The colour of every pixel.
+    pub color: Buffer<[f32; 4]>,
+    /// How long each stage took; `prepare` is 0 here and counted where the scene was prepared.
+    pub times: StageTimes,
 }
 
 /// A frame and how long it took.
@@ -91,19 +111,31 @@ impl CpuRenderer {
             .thread_name(|index| format!("shadow-cpu {index}"))
             .build()
             .map_err(|source| CpuError::Threads { threads, source })?;
-        Ok(Self { pool, rules, scratch: Mutex::default() })
+        Ok(Self {
+            threads: pool,
+            rules,
+            scratch: Mutex::default(),
+            floats: Pool::default(),
+            triangles: Pool::default(),
+            colors: Pool::default(),
+        })
     }
 
     /// How many threads the renderer has.
     #[must_use]
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.threads.current_num_threads()
     }
 
     /// Brings a scene into the renderer's own form.
     #[must_use]
     pub fn prepare<'a>(&self, scene: &'a Scene) -> PreparedScene<'a> {
-        PreparedScene { scene, positions: Positions::new(&scene.vertices().positions), surfaces: Surfaces::of(scene) }
+        PreparedScene {
+            scene,
+            positions: Positions::new(&scene.vertices().positions),
+            surfaces: Surfaces::of(scene),
+            vertices: ShadingVertices::new(scene.vertices()),
+        }
     }
 
     /// Renders all shadow maps of a plan.
@@ -117,8 +149,8 @@ impl CpuRenderer {
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
             // Casters are never culled: a single-sided wall shadows from behind too.
             let runs = runs(prepared.scene, false);
-            let mut depth = vec![0.0; size as usize * size as usize];
-            self.pool.install(|| {
+            let mut depth = self.floats.take(size as usize * size as usize);
+            self.threads.install(|| {
                 let triangles = prepared.scene.triangles();
                 rasterize_depth(scratch, &prepared.positions, triangles, &runs, &target, &self.rules, &alpha_test, &mut depth);
             });
@@ -147,8 +179,8 @@ impl CpuRenderer {
         let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &camera.rays };
         let runs = runs(prepared.scene, true);
         let pixels = camera.width as usize * camera.height as usize;
-        let mut buffer = CameraBuffer { triangles: vec![0; pixels], depth: vec![0.0; pixels] };
-        self.pool.install(|| {
+        let mut buffer = CameraBuffer { triangles: self.triangles.take(pixels), depth: self.floats.take(pixels) };
+        self.threads.install(|| {
             rasterize_visibility(
                 scratch,
                 &prepared.positions,
@@ -172,11 +204,18 @@ impl CpuRenderer {
         plan: &FramePlan,
         camera: &CameraBuffer,
         maps: &ShadowMaps,
-    ) -> Vec<f32> {
-        self.pool.install(|| resolve_visibility(prepared.view(), plan, &camera.triangles, maps))
+    ) -> Buffer<f32> {
+        let mut visibility = self.floats.take(camera.triangles.len() * plan.lights.len());
+        let out = Resolved { visibility: Some(&mut visibility), color: None };
+        self.threads.install(|| resolve(prepared.view(), plan, &camera.triangles, maps, out));
+        visibility
     }
 
-    /// The colour of every pixel.
+    /// The colour of every pixel, from visibilities wherever they come from: the lights of a pixel side by side.
+    ///
+    /// # Panics
+    ///
+    /// If `visibility` does not have a value for every light at every pixel.
     #[must_use]
     pub fn color(
         &self,
@@ -184,25 +223,48 @@ impl CpuRenderer {
         plan: &FramePlan,
         camera: &CameraBuffer,
         visibility: &[f32],
-    ) -> Vec<[f32; 4]> {
-        self.pool.install(|| resolve_color(prepared.view(), plan, &camera.triangles, visibility))
+    ) -> Buffer<[f32; 4]> {
+        let mut color = self.colors.take(camera.triangles.len());
+        self.threads.install(|| resolve_color(prepared.view(), plan, &camera.triangles, visibility, &mut color));
+        color
     }
 
-    /// Renders a frame: all stages that the layers asked for need, in a row.
+    /// Visibility and colour in one go, where `request` has them: the surface behind each pixel is looked up once for both.
+    fn shade(
+        &self,
+        prepared: &PreparedScene<'_>,
+        plan: &FramePlan,
+        camera: &CameraBuffer,
+        maps: &ShadowMaps,
+        request: Request,
+    ) -> (Buffer<f32>, Buffer<[f32; 4]>) {
+        let pixels = camera.triangles.len();
+        let mut visibility = if request.visibility { self.floats.take(pixels * plan.lights.len()) } else { Buffer::default() };
+        let mut color = if request.color { self.colors.take(pixels) } else { Buffer::default() };
+        let out =
+            Resolved { visibility: request.visibility.then_some(&mut *visibility), color: request.color.then_some(&mut *color) };
+        self.threads.install(|| resolve(prepared.view(), plan, &camera.triangles, maps, out));
+        (visibility, color)
+    }
+
+    /// Draws all stages that the layers asked for need, in a row, into memory that the next frame uses again.
     ///
     /// # Errors
     ///
     /// [`CpuError::PictureSize`].
-    pub fn render(&self, prepared: &PreparedScene<'_>, plan: &FramePlan, request: Request) -> Result<Rendered, CpuError> {
+    pub fn draw(&self, prepared: &PreparedScene<'_>, plan: &FramePlan, request: Request) -> Result<Drawn, CpuError> {
         let start = Instant::now();
-        let needs_visibility = request.visibility || request.color;
-        let camera = if request.camera || needs_visibility { self.camera(prepared, plan)? } else { CameraBuffer::default() };
+        let needs_shading = request.visibility || request.color;
+        let camera = if request.camera || needs_shading { self.camera(prepared, plan)? } else { CameraBuffer::default() };
         let camera_done = Instant::now();
-        let needs_maps = request.shadow_maps || needs_visibility;
+        let needs_maps = request.shadow_maps || needs_shading;
         let maps = if needs_maps { self.shadow_maps(prepared, plan) } else { ShadowMaps::default() };
         let maps_done = Instant::now();
-        let visibility = if needs_visibility { self.visibility(prepared, plan, &camera, &maps) } else { Vec::new() };
-        let color = request.color.then(|| self.color(prepared, plan, &camera, &visibility));
+        let (visibility, color) = if needs_shading {
+            self.shade(prepared, plan, &camera, &maps, request)
+        } else {
+            (Buffer::default(), Buffer::default())
+        };
         let shading_done = Instant::now();
         let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
         let times = StageTimes {
@@ -211,7 +273,18 @@ impl CpuRenderer {
             shadow_maps: milliseconds(camera_done, maps_done),
             shading: milliseconds(maps_done, shading_done),
         };
-        Ok(Rendered { frame: into_frame(plan, request, camera, maps, &visibility, color), times })
+        Ok(Drawn { camera, maps, visibility, color, times })
+    }
+
+    /// Renders a frame: draws it and gives its layers names.
+    ///
+    /// # Errors
+    ///
+    /// [`CpuError::PictureSize`].
+    pub fn render(&self, prepared: &PreparedScene<'_>, plan: &FramePlan, request: Request) -> Result<Rendered, CpuError> {
+        let drawn = self.draw(prepared, plan, request)?;
+        let times = drawn.times;
+        Ok(Rendered { frame: into_frame(plan, request, drawn), times })
     }
 }
 
@@ -228,26 +301,20 @@ fn runs(scene: &Scene, cull_single_sided: bool) -> Vec<Run> {
 }
 
 /// Names the layers that were asked for.
-fn into_frame(
-    plan: &FramePlan,
-    request: Request,
-    camera: CameraBuffer,
-    maps: ShadowMaps,
-    visibility: &[f32],
-    color: Option<Vec<[f32; 4]>>,
-) -> Frame {
+fn into_frame(plan: &FramePlan, request: Request, drawn: Drawn) -> Frame {
+    let Drawn { camera, maps, visibility, color, .. } = drawn;
     let (width, height) = (plan.camera.width, plan.camera.height);
     let mut layers = Vec::new();
     if request.camera {
-        layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(camera.triangles) });
-        layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(camera.depth) });
+        layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(camera.triangles.into_vec()) });
+        layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(camera.depth.into_vec()) });
     }
     if request.shadow_maps {
         let mut maps_layers = maps.layers.into_iter();
         for (light, light_plan) in plan.lights.iter().enumerate() {
             for (view, depth) in maps_layers.by_ref().take(light_plan.view_count as usize).enumerate() {
                 let name = LayerName::ShadowMap { light: light as u32, view: view as u32 };
-                layers.push(Layer { name, width: maps.size, height: maps.size, pixels: Pixels::Float(depth) });
+                layers.push(Layer { name, width: maps.size, height: maps.size, pixels: Pixels::Float(depth.into_vec()) });
             }
         }
     }
@@ -258,8 +325,8 @@ fn into_frame(
             layers.push(Layer { name, width, height, pixels: Pixels::Float(values) });
         }
     }
-    if let Some(color) = color {
-        layers.push(Layer { name: LayerName::Color, width, height, pixels: Pixels::Rgba(color) });
+    if request.color {
+        layers.push(Layer { name: LayerName::Color, width, height, pixels: Pixels::Rgba(color.into_vec()) });
     }
     Frame { source: "cpu".into(), layers }
 }

@@ -2,22 +2,33 @@
 //!
 //! Mirrored by `resolve_visibility.wgsl`, `resolve_color.wgsl` and `surfaces.wgsl`.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 use shadow_math::{
     material::{FLAG_MASK, base_color},
-    plan::{CameraPlan, PixelRays},
-    shade::{BACKGROUND, Surface, shade_ambient, shade_light},
-    triangle::{TrianglePoint, pixel_ray, turned_to_viewer},
-    vector::normalized,
-    visibility::{MapAccess, visibility},
+    plan::PixelRays,
+    shade::BACKGROUND,
+    triangle::{TrianglePoint, pixel_ray},
+    visibility::MapAccess,
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
 
+use self::{
+    color::SurfaceSpan,
+    span::{Corners, Hits, SPAN, Vectors},
+    visibility::span_visibility,
+};
 use crate::{
+    buffer::Buffer,
     kernel::{Kernel, MultiplyAdd, dispatch, lanes::Lanes},
     raster::AlphaTest,
 };
+
+mod color;
+mod span;
+mod visibility;
+
+pub(crate) use self::span::ShadingVertices;
 
 /// The depths of all shadow maps: one layer a view.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +36,7 @@ pub struct ShadowMaps {
     /// Width and height of a layer in texels.
     pub size: u32,
     /// The layers, row by row from the top.
-    pub layers: Vec<Vec<f32>>,
+    pub layers: Vec<Buffer<f32>>,
 }
 
 impl MapAccess for ShadowMaps {
@@ -42,6 +53,8 @@ pub struct SceneView<'a> {
     pub scene: &'a Scene,
     /// Its materials and textures.
     pub surfaces: &'a Surfaces,
+    /// Its vertices as shading reads them.
+    pub(crate) vertices: &'a ShadingVertices,
 }
 
 impl SceneView<'_> {
@@ -85,117 +98,152 @@ impl AlphaTest for SceneAlphaTest<'_> {
     }
 }
 
-/// The visibility of every light at every pixel, the lights of a pixel side by side: 1 where there is nothing.
+/// What a frame's pixels are made of; `None` for what is not wanted.
+#[derive(Debug, Default)]
+pub struct Resolved<'a> {
+    /// The visibility of every light at every pixel, the lights of a pixel side by side: 1 where there is nothing.
+    pub visibility: Option<&'a mut [f32]>,
+    /// The colour of every pixel, linear, after exposure.
+    pub color: Option<&'a mut [[f32; 4]]>,
+}
+
+/// Visibility from shadow maps, and colour from it, row by row. `triangles` is the camera's triangle layer.
 ///
-/// `triangles` is the camera's triangle layer.
-#[must_use]
-pub fn resolve_visibility(view: SceneView<'_>, plan: &FramePlan, triangles: &[u32], maps: &ShadowMaps) -> Vec<f32> {
-    let light_count = plan.lights.len();
-    let mut out = vec![1.0; triangles.len() * light_count];
-    if light_count == 0 {
-        return out;
-    }
-    let width = plan.camera.width as usize;
-    let rows = out.par_chunks_mut(width * light_count).zip(triangles.par_chunks(width));
-    rows.enumerate().for_each(|(y, (out, triangles))| {
-        dispatch(false, VisibilityKernel { view, plan, maps, y, triangles, out });
-    });
-    out
-}
-
-struct VisibilityKernel<'a> {
-    view: SceneView<'a>,
-    plan: &'a FramePlan,
-    maps: &'a ShadowMaps,
-    y: usize,
-    triangles: &'a [u32],
-    out: &'a mut [f32],
-}
-
-impl Kernel for VisibilityKernel<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes, M: MultiplyAdd>(self) {
-        let Self { view, plan, maps, y, triangles, out } = self;
-        for ((x, &triangle), out) in triangles.iter().enumerate().zip(out.chunks_exact_mut(plan.lights.len())) {
-            if triangle == NO_TRIANGLE {
-                continue;
-            }
-            let ray = pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5);
-            let receiver = view.scene.receiver(triangle, ray);
-            for (light, out) in plan.lights.iter().zip(out) {
-                *out = visibility(light, &plan.views, maps, &receiver);
-            }
-        }
-    }
+/// # Panics
+///
+/// If an output does not have the size of the picture.
+pub fn resolve(view: SceneView<'_>, plan: &FramePlan, triangles: &[u32], maps: &ShadowMaps, out: Resolved<'_>) {
+    resolve_from(view, plan, triangles, Source::Maps(maps), out);
 }
 
 /// The colour of every pixel, linear, after exposure.
 ///
-/// `triangles` is the camera's triangle layer, `visibility` what [`resolve_visibility`] gave.
-#[must_use]
-pub fn resolve_color(view: SceneView<'_>, plan: &FramePlan, triangles: &[u32], visibility: &[f32]) -> Vec<[f32; 4]> {
-    let mut out = vec![[0.0; 4]; triangles.len()];
-    let width = plan.camera.width as usize;
-    let light_count = plan.lights.len();
-    out.par_chunks_mut(width).zip(triangles.par_chunks(width)).enumerate().for_each(|(y, (out, triangles))| {
-        let visibility = &visibility[y * width * light_count..][..triangles.len() * light_count];
-        dispatch(false, ColorKernel { view, plan, y, triangles, visibility, out });
+/// `triangles` is the camera's triangle layer, `visibility` that of every light at every pixel, the lights of a pixel side by side.
+///
+/// # Panics
+///
+/// If a layer does not have the size of the picture.
+pub fn resolve_color(view: SceneView<'_>, plan: &FramePlan, triangles: &[u32], visibility: &[f32], out: &mut [[f32; 4]]) {
+    let out = Resolved { visibility: None, color: Some(out) };
+    resolve_from(view, plan, triangles, Source::Visibility(visibility), out);
+}
+
+/// Where visibilities come from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Maps(&'a ShadowMaps),
+    Visibility(&'a [f32]),
+}
+
+fn resolve_from(view: SceneView<'_>, plan: &FramePlan, triangles: &[u32], source: Source<'_>, out: Resolved<'_>) {
+    let (width, light_count) = (plan.camera.width as usize, plan.lights.len());
+    let Resolved { visibility, color } = out;
+    let visibility = visibility.unwrap_or_default();
+    let color = color.unwrap_or_default();
+    assert!(
+        visibility.is_empty() || visibility.len() == triangles.len() * light_count,
+        "visibility must have the picture's size"
+    );
+    assert!(color.is_empty() || color.len() == triangles.len(), "color must have the picture's size");
+    // A chunk of an empty layer is empty: the rows of what is not wanted are made of nothing.
+    let rows = triangles.len() / width.max(1);
+    let visibility_rows = RowsOf { layer: visibility, len: width * light_count }.split(rows);
+    let color_rows = RowsOf { layer: color, len: width }.split(rows);
+    let rows = triangles.par_chunks(width.max(1)).zip(visibility_rows).zip(color_rows);
+    rows.enumerate().for_each(|(y, ((triangles, visibility), color))| {
+        dispatch(false, RowKernel { view, plan, source, y, triangles, visibility, color });
     });
-    out
 }
 
-struct ColorKernel<'a> {
-    view: SceneView<'a>,
-    plan: &'a FramePlan,
-    y: usize,
-    triangles: &'a [u32],
-    visibility: &'a [f32],
-    out: &'a mut [[f32; 4]],
+/// A layer that is wanted, or an empty one.
+struct RowsOf<'a, T> {
+    layer: &'a mut [T],
+    len: usize,
 }
 
-impl Kernel for ColorKernel<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes, M: MultiplyAdd>(self) {
-        let Self { view, plan, y, triangles, visibility, out } = self;
-        let light_count = plan.lights.len();
-        for (x, (out, &triangle)) in out.iter_mut().zip(triangles).enumerate() {
-            let visibility = &visibility[x * light_count..][..light_count];
-            *out = pixel_color(view, plan, triangle, x as f32 + 0.5, y as f32 + 0.5, visibility);
+impl<'a, T: Send> RowsOf<'a, T> {
+    /// Its rows, or as many empty ones.
+    fn split(self, rows: usize) -> Vec<&'a mut [T]> {
+        if self.layer.is_empty() {
+            (0..rows).map(|_| Default::default()).collect()
+        } else {
+            self.layer.chunks_mut(self.len).collect()
         }
     }
 }
 
-/// The colour of one pixel.
-#[inline]
-fn pixel_color(view: SceneView<'_>, plan: &FramePlan, triangle: u32, x: f32, y: f32, visibility: &[f32]) -> [f32; 4] {
-    if triangle == NO_TRIANGLE {
-        return [BACKGROUND[0], BACKGROUND[1], BACKGROUND[2], 1.0];
+struct RowKernel<'a> {
+    view: SceneView<'a>,
+    plan: &'a FramePlan,
+    source: Source<'a>,
+    y: usize,
+    triangles: &'a [u32],
+    visibility: &'a mut [f32],
+    color: &'a mut [[f32; 4]],
+}
+
+impl Kernel for RowKernel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes, M: MultiplyAdd>(self) {
+        let Self { view, plan, source, y, triangles, visibility, color } = self;
+        let light_count = plan.lights.len();
+        let wants_color = !color.is_empty();
+        let mut corners = Corners::EMPTY;
+        let mut hits = Hits::EMPTY;
+        let mut surfaces = SurfaceSpan::EMPTY;
+        let mut radiance = Vectors::ZERO;
+        let background = [BACKGROUND[0], BACKGROUND[1], BACKGROUND[2], 1.0];
+        for (span, seen) in triangles.chunks(SPAN).enumerate() {
+            let x = span * SPAN;
+            let pixels = x..x + seen.len();
+            let of_lights = x * light_count..pixels.end * light_count;
+            if seen.iter().all(|&triangle| triangle == NO_TRIANGLE) {
+                if !visibility.is_empty() {
+                    visibility[of_lights].fill(1.0);
+                }
+                if wants_color {
+                    color[pixels].fill(background);
+                }
+                continue;
+            }
+            corners.fetch::<L>(view, seen, wants_color);
+            hits.intersect(&corners, &plan.camera.rays, x, y);
+            if wants_color {
+                surfaces.sample(view, &plan.camera, (x, y), &corners, &hits, seen.len());
+                surfaces.ambient(&plan.camera, &hits, &mut radiance);
+            }
+            for (l, light) in plan.lights.iter().enumerate() {
+                let mut numbers = [1.0; SPAN];
+                match source {
+                    Source::Maps(maps) => {
+                        span_visibility(light, &plan.views, maps, &hits, seen.len(), &mut numbers);
+                    }
+                    Source::Visibility(visibility) => {
+                        let row = &visibility[y * plan.camera.width as usize * light_count..];
+                        for (i, number) in numbers[..seen.len()].iter_mut().enumerate() {
+                            *number = row[of_lights.start + i * light_count + l];
+                        }
+                    }
+                }
+                if !visibility.is_empty() {
+                    let out = &mut visibility[of_lights.clone()];
+                    for (i, &triangle) in seen.iter().enumerate() {
+                        out[i * light_count + l] = if triangle == NO_TRIANGLE { 1.0 } else { numbers[i] };
+                    }
+                }
+                if wants_color {
+                    surfaces.add_light(light, &hits, &numbers, &mut radiance);
+                }
+            }
+            if wants_color {
+                let exposure = plan.camera.exposure;
+                for (i, (out, &triangle)) in color[pixels].iter_mut().zip(seen).enumerate() {
+                    let [r, g, b] = (radiance.get(i) * exposure).to_array();
+                    *out = if triangle == NO_TRIANGLE { background } else { [r, g, b, 1.0] };
+                }
+            }
+        }
     }
-    let camera: &CameraPlan = &plan.camera;
-    let ray = pixel_ray(&camera.rays, x, y);
-    let hit = view.scene.point(triangle, ray);
-    let base = view.color(triangle, &hit);
-    let [i0, i1, i2] = view.corners(triangle);
-    let normals = &view.scene.vertices().normals;
-    let (n0, n1, n2) = (normals[i0], normals[i1], normals[i2]);
-    let normal = normalized(n0 + (n1 - n0) * hit.u + (n2 - n0) * hit.v);
-    let material = &view.surfaces.materials[view.scene.triangle_materials()[triangle as usize] as usize];
-    let surface = Surface {
-        point: hit.point,
-        normal: turned_to_viewer(normal, hit.normal, ray),
-        toward_viewer: normalized(-ray.direction),
-        base_color: Vec3::new(base.x, base.y, base.z),
-        shininess: material.shininess,
-    };
-    let ambient = Vec3::new(camera.ambient[0], camera.ambient[1], camera.ambient[2]);
-    let mut radiance = shade_ambient(ambient, &surface);
-    for (light, &visibility) in plan.lights.iter().zip(visibility) {
-        radiance += shade_light(light, &surface, visibility);
-    }
-    let color = radiance * camera.exposure;
-    [color.x, color.y, color.z, 1.0]
 }

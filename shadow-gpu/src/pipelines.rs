@@ -109,7 +109,6 @@ struct RenderStyle<'a> {
     fragment: Option<&'a str>,
     positions_as_attribute: bool,
     target: Option<wgpu::TextureFormat>,
-    cull_mode: Option<wgpu::Face>,
     depth_compare: wgpu::CompareFunction,
 }
 
@@ -130,7 +129,8 @@ fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::Rend
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: if style.positions_as_attribute { &buffers } else { &[] },
         },
-        primitive: wgpu::PrimitiveState { cull_mode: style.cull_mode, ..Default::default() },
+        // Casters are never culled, since a single-sided wall shadows from behind too, and the camera culls in its fragment shader.
+        primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(true),
@@ -180,8 +180,6 @@ impl Pipelines {
             fragment: None,
             positions_as_attribute: true,
             target: None,
-            // Casters are never culled: a single-sided wall shadows from behind too.
-            cull_mode: None,
             depth_compare: wgpu::CompareFunction::Less,
         };
         let map_opaque = render_pipeline(device, &map_style);
@@ -198,7 +196,7 @@ impl Pipelines {
 
         let camera_layout = pipeline_layout(device, "camera", &[&layouts.geometry, &layouts.surfaces, &layouts.camera]);
         let camera_module = module(device, "camera", CAMERA_MODULE);
-        let camera_pipeline = |label: &str, fragment: &str, cull_mode: Option<wgpu::Face>| {
+        let camera_pipeline = |label: &str, fragment: &str| {
             let style = RenderStyle {
                 label,
                 layout: &camera_layout,
@@ -207,7 +205,6 @@ impl Pipelines {
                 fragment: Some(fragment),
                 positions_as_attribute: false,
                 target: Some(ID_FORMAT),
-                cull_mode,
                 // Reversed depth; of equals the first drawn stays, which is the triangle with the lowest index.
                 depth_compare: wgpu::CompareFunction::Greater,
             };
@@ -215,12 +212,12 @@ impl Pipelines {
         };
         let camera = [
             [
-                camera_pipeline("camera, opaque, double-sided", "opaque_fragment", None),
-                camera_pipeline("camera, opaque, single-sided", "opaque_fragment", Some(wgpu::Face::Back)),
+                camera_pipeline("camera, opaque, double-sided", "opaque_fragment"),
+                camera_pipeline("camera, opaque, single-sided", "opaque_front_fragment"),
             ],
             [
-                camera_pipeline("camera, masked, double-sided", "masked_fragment", None),
-                camera_pipeline("camera, masked, single-sided", "masked_fragment", Some(wgpu::Face::Back)),
+                camera_pipeline("camera, masked, double-sided", "masked_fragment"),
+                camera_pipeline("camera, masked, single-sided", "masked_front_fragment"),
             ],
         ];
         Self {

@@ -7,7 +7,7 @@
 
 /// The base-2 logarithm of a positive normal number, to within 2e-7 absolutely for results of at most 1 and 2 units in the last
 /// place beyond. Zero, negative, subnormal and non-finite numbers give the logarithm of some other number.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn log2(x: f32) -> f32 {
     let bits = x.to_bits();
@@ -27,7 +27,7 @@ pub fn log2(x: f32) -> f32 {
 
 /// 2 to the power of `x`, to within 3 units in the last place, for `x` up to 127. Below -126 the result would be subnormal, which
 /// some hardware flushes to zero: it is 0 on all.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn exp2(x: f32) -> f32 {
     if x < -126.0 {
@@ -49,7 +49,7 @@ pub fn exp2(x: f32) -> f32 {
 }
 
 /// `x` to the power of `y`; 0 for `x` that is not a positive normal number.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn pow(x: f32, y: f32) -> f32 {
     if !(x >= f32::MIN_POSITIVE) {
@@ -59,7 +59,7 @@ pub fn pow(x: f32, y: f32) -> f32 {
 }
 
 /// Rounds toward minus infinity.
-#[inline]
+#[inline(always)]
 fn floor(x: f32) -> f32 {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;

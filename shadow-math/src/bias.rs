@@ -82,7 +82,7 @@ pub fn depth_per_view_z(clip_from_view: DMat4, ndc_z: f64, w: f64) -> f64 {
 ///
 /// `point` is in metres relative to the scene's origin, `normal` in world space and of any length above 0. A plane
 /// that the view sees edge-on gives a gradient of `f32::MAX` or beyond, never NaN.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn depth_gradient(view: &ViewPlan, point: Vec3, normal: Vec3) -> Vec2 {
     let along_x = normal_derivative(view.world_from_texel_x, point, normal);
@@ -95,7 +95,7 @@ pub fn depth_gradient(view: &ViewPlan, point: Vec3, normal: Vec3) -> Vec2 {
 }
 
 /// `n . (c - x c_w)`: how fast the plane is left along a column of the inverse, up to the common factor w.
-#[inline]
+#[inline(always)]
 fn normal_derivative(column: [f32; 4], point: Vec3, normal: Vec3) -> f32 {
     let x = column[0] - point.x * column[3];
     let y = column[1] - point.y * column[3];
@@ -106,7 +106,7 @@ fn normal_derivative(column: [f32; 4], point: Vec3, normal: Vec3) -> f32 {
 /// The bias of a lookup, in depth, from 0 to [`MAX_DEPTH_BIAS`]; it is added to the stored depth.
 ///
 /// `w` is the receiver's clip w, above 0. The receiver's `point` and `normal` are as for [`depth_gradient`].
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn depth_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
     if light.bias == BIAS_NONE {
@@ -125,7 +125,7 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3,
 }
 
 /// The depth that the last `metres` before a receiver take up; [`MAX_DEPTH_BIAS`] where they reach back to the light.
-#[inline]
+#[inline(always)]
 fn metres_to_depth(view: &ViewPlan, w: f32, metres: f32) -> f32 {
     let w_before = w - view.w_per_metre * metres;
     if w_before <= 0.0 {

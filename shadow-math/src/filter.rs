@@ -26,7 +26,7 @@ pub fn guard_texels(filter: Filter) -> u32 {
 ///
 /// The hard test's texel centre lies at most half a texel from the lookup. Of the four bilinear taps each is less than a whole texel
 /// away on each axis, and comes as near to that as its weight comes to zero.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn support(filter: u32) -> f32 {
     if filter == FILTER_HARD {
@@ -38,7 +38,7 @@ pub fn support(filter: u32) -> f32 {
 /// One depth test: 1 if the receiver's `depth` is not beyond what the texel holds plus `bias`, else 0.
 ///
 /// Equal is lit, and so is a texel outside the view's rectangle.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn depth_test(maps: &impl MapAccess, view: &ViewPlan, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
     let left = view.rect[0] as i32;
@@ -56,27 +56,38 @@ pub fn depth_test(maps: &impl MapAccess, view: &ViewPlan, x: i32, y: i32, depth:
 /// The average of the depth tests around `texel`, from 0, shadowed, to 1, lit.
 ///
 /// `texel` is in texels of the layer, with texel centres at + 0.5; each coordinate must be far inside the range of i32.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn filtered_test(maps: &impl MapAccess, view: &ViewPlan, filter: u32, texel: Vec2, depth: f32, bias: f32) -> f32 {
     if filter == FILTER_HARD {
         return depth_test(maps, view, floor(texel.x) as i32, floor(texel.y) as i32, depth, bias);
     }
-    let corner = texel - Vec2::new(0.5, 0.5);
-    let floor_x = floor(corner.x);
-    let floor_y = floor(corner.y);
-    let fraction_x = corner.x - floor_x;
-    let fraction_y = corner.y - floor_y;
-    let x0 = floor_x as i32;
-    let y0 = floor_y as i32;
+    let (x0, y0, fraction) = bilinear_corner(texel);
     let t00 = depth_test(maps, view, x0, y0, depth, bias);
     let t10 = depth_test(maps, view, x0 + 1, y0, depth, bias);
     let t01 = depth_test(maps, view, x0, y0 + 1, depth, bias);
     let t11 = depth_test(maps, view, x0 + 1, y0 + 1, depth, bias);
+    bilinear_mean(t00, t10, t01, t11, fraction)
+}
+
+/// The upper left one of the four texels around `texel`, and the weights of the right and the lower ones.
+#[inline(always)]
+#[must_use]
+pub fn bilinear_corner(texel: Vec2) -> (i32, i32, Vec2) {
+    let corner = texel - Vec2::new(0.5, 0.5);
+    let floor_x = floor(corner.x);
+    let floor_y = floor(corner.y);
+    (floor_x as i32, floor_y as i32, Vec2::new(corner.x - floor_x, corner.y - floor_y))
+}
+
+/// The mean of four tests: upper left, upper right, lower left, lower right.
+#[inline(always)]
+#[must_use]
+pub fn bilinear_mean(t00: f32, t10: f32, t01: f32, t11: f32, fraction: Vec2) -> f32 {
     // Equal tests give exactly 0 or 1 in this form of the interpolation.
-    let top = t00 + (t10 - t00) * fraction_x;
-    let bottom = t01 + (t11 - t01) * fraction_x;
-    top + (bottom - top) * fraction_y
+    let top = t00 + (t10 - t00) * fraction.x;
+    let bottom = t01 + (t11 - t01) * fraction.x;
+    top + (bottom - top) * fraction.y
 }
 
 /// The texels that [`filtered_test`] gives a weight above 0, and how many they are: for tools that explain a lookup.
@@ -101,7 +112,7 @@ pub fn weighted_taps(filter: u32, texel: Vec2) -> ([IVec2; 4], usize) {
 }
 
 /// Rounds toward minus infinity.
-#[inline]
+#[inline(always)]
 fn floor(x: f32) -> f32 {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;

@@ -60,9 +60,12 @@ pub struct MaterialData {
 }
 
 /// The texel index that `index` wraps to on an axis of `size` texels.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
+    if index >= 0 && index < size {
+        return index;
+    }
     if wrap == WRAP_CLAMP {
         return index.max(0).min(size - 1);
     }
@@ -81,7 +84,7 @@ pub fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
 }
 
 /// One texel, decoded: linear colour and alpha. `words` begins with the decode table.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn decode_texel(words: &[u32], texel: u32) -> Vec4 {
     let r = f32::from_bits(words[(texel & 0xff) as usize]);
@@ -98,34 +101,52 @@ pub const MAX_TEXEL_COORDINATE: f32 = 8_388_608.0;
 ///
 /// `uv` has its origin at the top left corner, as in glTF. Colours are decoded from sRGB before they are averaged.
 /// A coordinate that is not finite gives some texel of the texture.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn sample_texture(words: &[u32], texture: &TextureData, uv: Vec2) -> Vec4 {
+    let taps = texture_taps(texture, uv);
+    let t00 = decode_texel(words, words[taps.words[0] as usize]);
+    let t10 = decode_texel(words, words[taps.words[1] as usize]);
+    let t01 = decode_texel(words, words[taps.words[2] as usize]);
+    let t11 = decode_texel(words, words[taps.words[3] as usize]);
+    let top = t00 + (t10 - t00) * taps.fraction.x;
+    let bottom = t01 + (t11 - t01) * taps.fraction.x;
+    top + (bottom - top) * taps.fraction.y
+}
+
+/// The four texels that a bilinear sample reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureTaps {
+    /// Their words: upper left, upper right, lower left, lower right.
+    pub words: [u32; 4],
+    /// The weights of the right and of the lower ones.
+    pub fraction: Vec2,
+}
+
+/// Which texels of a texture a sample at `uv` reads; the first half of [`sample_texture`].
+#[inline(always)]
+#[must_use]
+pub fn texture_taps(texture: &TextureData, uv: Vec2) -> TextureTaps {
     let width = texture.width as i32;
     let height = texture.height as i32;
     let x = (uv.x * texture.width as f32 - 0.5).max(-MAX_TEXEL_COORDINATE).min(MAX_TEXEL_COORDINATE);
     let y = (uv.y * texture.height as f32 - 0.5).max(-MAX_TEXEL_COORDINATE).min(MAX_TEXEL_COORDINATE);
     let floor_x = floor(x);
     let floor_y = floor(y);
-    let fraction_x = x - floor_x;
-    let fraction_y = y - floor_y;
     let x0 = wrap_texel(floor_x as i32, width, texture.wrap_u);
     let x1 = wrap_texel(floor_x as i32 + 1, width, texture.wrap_u);
     let y0 = wrap_texel(floor_y as i32, height, texture.wrap_v);
     let y1 = wrap_texel(floor_y as i32 + 1, height, texture.wrap_v);
     let row0 = texture.first_word + (y0 * width) as u32;
     let row1 = texture.first_word + (y1 * width) as u32;
-    let t00 = decode_texel(words, words[(row0 + x0 as u32) as usize]);
-    let t10 = decode_texel(words, words[(row0 + x1 as u32) as usize]);
-    let t01 = decode_texel(words, words[(row1 + x0 as u32) as usize]);
-    let t11 = decode_texel(words, words[(row1 + x1 as u32) as usize]);
-    let top = t00 + (t10 - t00) * fraction_x;
-    let bottom = t01 + (t11 - t01) * fraction_x;
-    top + (bottom - top) * fraction_y
+    TextureTaps {
+        words: [row0 + x0 as u32, row0 + x1 as u32, row1 + x0 as u32, row1 + x1 as u32],
+        fraction: Vec2::new(x - floor_x, y - floor_y),
+    }
 }
 
 /// Rounds toward minus infinity: `floor` of `core`-only builds and of the shader alike.
-#[inline]
+#[inline(always)]
 fn floor(x: f32) -> f32 {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;
@@ -133,7 +154,7 @@ fn floor(x: f32) -> f32 {
 }
 
 /// The material's colour and alpha at a point, before light: factor times texture times vertex colour.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn base_color(material: &MaterialData, words: &[u32], uv: Vec2, vertex_color: Vec4) -> Vec4 {
     let mut color = Vec4::from_array(material.base_color) * vertex_color;

@@ -49,7 +49,7 @@ pub struct Surface {
 /// How much of its intensity a light sends to a point at `toward`, the vector from the point to the light.
 ///
 /// For a directional light 1; for another inverse square in 1 / m^2, the range's window and the cone. Zero at the light itself.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
     if light.kind == LIGHT_DIRECTIONAL {
@@ -71,7 +71,7 @@ pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
 /// The radiance that a light adds to a surface seen by the viewer, in candela per square metre.
 ///
 /// `visibility` is from 0 to 1.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec3 {
     let toward = toward_light(light, surface.point);
@@ -91,7 +91,7 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
 }
 
 /// The radiance of a surface under light from everywhere, in candela per square metre; `ambient` in lux.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn shade_ambient(ambient: Vec3, surface: &Surface) -> Vec3 {
     surface.base_color * INVERSE_PI * ambient

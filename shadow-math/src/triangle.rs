@@ -32,7 +32,7 @@ pub struct TrianglePoint {
 }
 
 /// The ray through pixel coordinates `(x, y)`; pixel centres lie at + 0.5.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn pixel_ray(rays: &PixelRays, x: f32, y: f32) -> Ray {
     let origin = xyz(rays.origin) + xyz(rays.origin_dx) * x + xyz(rays.origin_dy) * y;
@@ -40,7 +40,7 @@ pub fn pixel_ray(rays: &PixelRays, x: f32, y: f32) -> Ray {
     Ray { origin, direction }
 }
 
-#[inline]
+#[inline(always)]
 fn xyz(v: [f32; 4]) -> Vec3 {
     Vec3::new(v[0], v[1], v[2])
 }
@@ -51,7 +51,7 @@ fn xyz(v: [f32; 4]) -> Vec3 {
 /// a sub-pixel step outside. The point is then the weighted sum of the vertices, not a point of the ray, and so lies on the
 /// triangle's plane up to the rounding of its coordinates, however obliquely the ray meets it.
 /// A ray parallel to the plane, or a triangle without area, gives the first vertex.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn triangle_point(ray: Ray, v0: Vec3, v1: Vec3, v2: Vec3) -> TrianglePoint {
     let e1 = v1 - v0;
@@ -71,7 +71,7 @@ pub fn triangle_point(ray: Ray, v0: Vec3, v1: Vec3, v2: Vec3) -> TrianglePoint {
 }
 
 /// `v`, a vector on the side of the geometric normal, turned to the side that the ray comes from.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn turned_to_viewer(v: Vec3, geometric_normal: Vec3, ray: Ray) -> Vec3 {
     if geometric_normal.dot(ray.direction) > 0.0 {

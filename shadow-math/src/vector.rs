@@ -9,14 +9,14 @@ use glam::Vec3;
 use crate::float::FloatFuncs;
 
 /// A row of a matrix times a point.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn row_times_point(row: [f32; 4], point: Vec3) -> f32 {
     row[0] * point.x + row[1] * point.y + row[2] * point.z + row[3]
 }
 
 /// `v` over its length; zero stays zero.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn normalized(v: Vec3) -> Vec3 {
     let squared = v.x * v.x + v.y * v.y + v.z * v.z;

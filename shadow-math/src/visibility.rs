@@ -46,7 +46,7 @@ pub struct Lookup {
 }
 
 /// A lookup whose answer is known without a map.
-#[inline]
+#[inline(always)]
 fn known(visibility: f32) -> Lookup {
     Lookup { view: NO_VIEW, known: visibility, texel: Vec2::ZERO, depth: 0.0, bias: 0.0 }
 }
@@ -55,7 +55,7 @@ fn known(visibility: f32) -> Lookup {
 ///
 /// Known without a map are: 0 where the surface does not face the light; 1 behind the light, nearer than the near plane and outside
 /// the map. What lies beyond the far plane is compared at the far plane's depth.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
     let toward = toward_light(light, receiver.point);
@@ -66,7 +66,13 @@ pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Loo
     if light.split == SPLIT_CUBE {
         view_index += cube_face_of(-toward);
     }
-    let view = &views[view_index as usize];
+    lookup_in_view(light, &views[view_index as usize], view_index, receiver)
+}
+
+/// What a receiver that faces the light asks of one view; the second half of [`lookup`].
+#[inline(always)]
+#[must_use]
+pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, receiver: &Receiver) -> Lookup {
     let w = row_times_point(view.clip_w, receiver.point);
     if w <= 0.0 {
         return known(1.0);
@@ -88,7 +94,7 @@ pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Loo
 /// How much of a light reaches a receiver: from 0, shadowed, to 1, lit.
 ///
 /// `views` are all views of the frame. This is the one function through which every pixel of either renderer goes.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn visibility(light: &LightPlan, views: &[ViewPlan], maps: &impl MapAccess, receiver: &Receiver) -> f32 {
     let lookup = lookup(light, views, receiver);

@@ -1,7 +1,7 @@
 //! The slope bias is enough, and no more.
 
 use glam::{DMat4, DVec3, DVec4, Vec2, Vec3, Vec4};
-use proptest::{prelude::*, test_runner::TestRunner};
+use proptest::{prelude::*, test_runner::RngSeed, test_runner::TestRunner};
 use shadow_cpu::resolve::ShadowMaps;
 use shadow_math::{
     Bias, Camera, Filter, Light, LightKind, Projection, Receiver, ShadowSettings,
@@ -276,10 +276,13 @@ fn slivers_beyond_the_bound_can_shadow_themselves() {
 /// With 0.98 of what the support asks for, and nothing for rounding, some lookup is shadowed.
 ///
 /// For n.l from 0.1 to 0.8: a plane nearer to edge-on can be thinner than a texel of a coarse map, so that no tap of it is wrong, and one that faces
-/// the light has so little slope that two hundredths of it are lost in the rounding of depth.
+/// the light has so little slope that two hundredths of it are lost in the rounding of depth. Even so no lookup of those that are tried is shadowed in
+/// one case of some thousands, which is why the cases are always the same.
 #[test]
 fn two_hundredths_less_are_too_little() {
-    let mut runner = TestRunner::new(ProptestConfig { cases: 200, ..ProptestConfig::default() });
+    let config =
+        ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default() };
+    let mut runner = TestRunner::new(config);
     let result = runner.run(&case(0.1..0.8), |case| {
         let mut plane = lit_plane(&case, 0.98);
         for view in &mut plane.plan.views {

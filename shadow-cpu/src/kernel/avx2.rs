@@ -104,7 +104,7 @@ impl Floats for Avx2Floats {
     }
 
     #[inline(always)]
-    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 3] {
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
         // SAFETY: the processor has AVX2, as `Avx2` says; each reference holds four numbers, of any alignment.
         unsafe {
             // Rows i and i + 4 side by side; the usual transposition of 4 x 4 then goes on in both halves.
@@ -118,6 +118,7 @@ impl Floats for Avx2Floats {
                 Self(_mm256_shuffle_ps::<0b01_00_01_00>(low01, low23)),
                 Self(_mm256_shuffle_ps::<0b11_10_11_10>(low01, low23)),
                 Self(_mm256_shuffle_ps::<0b01_00_01_00>(high01, high23)),
+                Self(_mm256_shuffle_ps::<0b11_10_11_10>(high01, high23)),
             ]
         }
     }

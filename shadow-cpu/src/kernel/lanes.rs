@@ -22,8 +22,8 @@ pub(crate) trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Ou
     fn max(self, other: Self) -> Self;
     /// All bits set where `self < other`.
     fn less(self, other: Self) -> Self::Ints;
-    /// The first three columns of eight rows.
-    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 3];
+    /// The columns of eight rows.
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4];
 }
 
 /// Eight i32. As a mask, all bits of a lane are set or none.
@@ -148,7 +148,7 @@ impl Floats for PortableFloats {
     }
 
     #[inline(always)]
-    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 3] {
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
         core::array::from_fn(|column| Self(rows.map(|row| row[column])))
     }
 }

@@ -215,7 +215,8 @@ pub(crate) fn setup_small<L: Lanes>(
         for lane in 0..LANES {
             rows[lane] = vertices.window(corners[lane][corner]);
         }
-        points[corner] = L::F::columns(rows);
+        let [point_x, point_y, point_z, _] = L::F::columns(rows);
+        points[corner] = [point_x, point_y, point_z];
     }
     // Clockwise triangles go the other way round.
     let swaps = area_of(x, y);

@@ -24,8 +24,30 @@ fn opaque_fragment(vertex: CameraVertex) -> @location(0) u32 {
     return vertex.triangle;
 }
 
+// Back faces of single-sided materials are left out here rather than by the pipeline's state: a driver that clips in software can cull by
+// an area in floating point, whose sign is not that of the area on the grid where a triangle is thinner than a step of it.
+@fragment
+fn opaque_front_fragment(vertex: CameraVertex, @builtin(front_facing) is_front: bool) -> @location(0) u32 {
+    if !is_front {
+        discard;
+    }
+    return vertex.triangle;
+}
+
+@fragment
+fn masked_front_fragment(vertex: CameraVertex, @builtin(front_facing) is_front: bool) -> @location(0) u32 {
+    if !is_front {
+        discard;
+    }
+    return masked_triangle(vertex);
+}
+
 @fragment
 fn masked_fragment(vertex: CameraVertex) -> @location(0) u32 {
+    return masked_triangle(vertex);
+}
+
+fn masked_triangle(vertex: CameraVertex) -> u32 {
     let ray = pixel_ray(camera.rays, vertex.clip.x, vertex.clip.y);
     if !passes_alpha_test(vertex.triangle, ray) {
         discard;

@@ -26,6 +26,9 @@ struct MaterialData {
 }
 
 fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
+    if index >= 0 && index < size {
+        return index;
+    }
     if wrap == WRAP_CLAMP {
         return min(max(index, 0), size - 1);
     }

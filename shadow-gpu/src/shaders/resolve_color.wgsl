@@ -1,4 +1,4 @@
-// The colour of every pixel, linear, after exposure. Reads visibilities, never a map. Mirrors pixel_color of shadow-cpu/src/resolve.rs.
+// The colour of every pixel, linear, after exposure. Reads visibilities, never a map. Mirrors SurfaceSpan of shadow-cpu/src/resolve/color.rs.
 
 @group(2) @binding(0) var<uniform> camera: CameraPlan;
 @group(2) @binding(1) var<storage, read> lights: array<LightPlan>;

@@ -1,4 +1,4 @@
-// The visibility of every light at every pixel, the lights of a pixel side by side. Mirrors resolve_visibility of shadow-cpu/src/resolve.rs.
+// The visibility of every light at every pixel, the lights of a pixel side by side. Mirrors resolve of shadow-cpu/src/resolve.rs.
 
 @group(1) @binding(0) var<uniform> camera: CameraPlan;
 @group(1) @binding(1) var<storage, read> lights: array<LightPlan>;

@@ -28,7 +28,7 @@ pub fn cube_face_view(position: Vec3, face: usize, range: DepthRange, size: u32,
 /// The face of [`CUBE_FACES`] that a vector from the light points to: that of its largest coordinate.
 ///
 /// Between equal coordinates x comes before y and y before z. Mirrored by `visibility.wgsl`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn cube_face_of(v: Vec3) -> u32 {
     let ax = v.x.abs();

@@ -169,7 +169,7 @@ impl ViewPlan {
 }
 
 /// The vector from a point to the light: of unit length for a directional light, else in metres. Mirrored by `light.wgsl`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn toward_light(light: &LightPlan, point: Vec3) -> Vec3 {
     let position = Vec3::new(light.position[0], light.position[1], light.position[2]);
