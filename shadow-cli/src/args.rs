@@ -11,7 +11,7 @@ use clap::{
 };
 use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
 
-use crate::specs::{BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
+use crate::specs::{BackendList, BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
 
 /// Examples for the program as a whole.
 const EXAMPLES: &str = "\
@@ -20,6 +20,7 @@ Examples:
   shadow render house.glb --size 1920x1080      draw a scene with its own camera and lights
   shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
   shadow compare house.glb                      do the CPU and the GPU renderer agree?
+  shadow bench house.glb                        how long does each of them take?
   shadow plan house.glb --json                  every matrix, texel size and bias
   shadow devices                                which graphics adapters there are
 
@@ -89,6 +90,12 @@ pub(crate) enum Command {
     /// The exit code is 0 if the backends agree and 1 if they do not.
     #[command(after_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Time the renderers on the same frame
+    ///
+    /// Draws the same frame again and again with each backend and says how long each stage takes. Nothing is written, and nothing is
+    /// read back from the adapter.
+    #[command(after_long_help = BENCH_HELP)]
+    Bench(BenchArgs),
     /// Show the plan that both renderers follow
     ///
     /// Shows how the picture would be made, without making it: the camera's matrix and, for every light and every view of it, the matrix,
@@ -119,6 +126,38 @@ Examples:
   shadow compare house.glb --light 'point:pos=0,2,0;cd=500' --output differences
   shadow compare house.glb --json | jq '.layers[] | select(.within_contract | not)'";
 
+/// What to look at in the report of `shadow bench`, and examples.
+const BENCH_HELP: &str = "\
+What to look at:
+  The backends draw in turn (cpu, gpu, cpu, gpu, ...), after a first frame of
+  each and a round that are not counted, so that whatever disturbs the machine
+  disturbs both.
+
+  median      what a frame takes on this machine as it is now; compare medians
+  quartiles   half of the frames lie between them. Where they are far apart the
+              machine was busy: close other programs, or take more --frames
+  fastest     what the machine can do when nothing disturbs it
+  ratio       of the times of the same round, so that it holds still where
+              the times do not; above 1 the second backend is the slower one
+  once        opening (threads, or the adapter and its shaders), preparing the
+              scene, and the first frame, in which drivers compile for the
+              machine: paid once, and not part of a frame
+  memory      the most physical memory that the process held at once beyond
+              what it held before the backend was opened, until its first
+              frame was drawn: the scene in the backend's own form, the maps
+              and the frame, threads, driver and compiled shaders. A software
+              adapter's memory is counted, that of a graphics card is not.
+              Linux tells; elsewhere it is left out
+
+  A software adapter (llvmpipe, SwiftShader) runs on the same cores as the cpu
+  backend: the ratio then compares two programs, and no graphics card.
+
+Examples:
+  shadow bench
+  shadow bench house.glb --size 1920x1080 --frames 50
+  shadow bench house.glb --backends cpu --threads 1
+  shadow bench house.glb --json | jq .ratios.total";
+
 /// Examples for `shadow plan`.
 const PLAN_EXAMPLES: &str = "\
 Examples:
@@ -147,7 +186,7 @@ of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
 left out. The greys of distances are logarithmic for perspective views
 and linear for parallel rays.";
 
-/// What picture of which scene: the choices that `render`, `compare` and `plan` share.
+/// What picture of which scene: the choices that all commands on pictures share.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct PictureArgs {
     /// The scene: a .gltf or .glb file, or builtin:NAME
@@ -217,7 +256,7 @@ pub(crate) struct PictureArgs {
     pub(crate) bias_constant: Option<f32>,
 }
 
-/// What renders: the choices that `render` and `compare` share.
+/// What renders: the choices that all commands that render share.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct MachineArgs {
     /// Take the graphics adapter whose name contains NAME (`shadow devices` lists them)
@@ -293,6 +332,36 @@ pub(crate) struct CompareArgs {
     ///
     /// An object with `scene`, `notes`, `agree`, `contract` (`exact` or `tolerance`), `backends`, `adapter`, and for each of `layers` its `name`, `pixels`, `differing` (in any bit), `left_out` (pixels by reason), `max_difference` (null where one of
     /// the values is not a number and the other is), `violations` and `within_contract`.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow bench`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct BenchArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// The backends to time, in turn: cpu, gpu or both
+    #[arg(long, value_name = "LIST", default_value = "cpu,gpu", help_heading = "Backend")]
+    pub(crate) backends: BackendList,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// Frames of each backend that are timed, from 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) frames: u32,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `shadow_maps` (how many), `map_size`, `frames`, `backends` and
+    /// `ratios`. Each backend has its name as `backend`, its `adapter` (null for the CPU) and `threads` (null for the GPU), the medians in `milliseconds`
+    /// (`shadow_maps`, `camera`, `shading`, `total`), for each of these the `spread` (`min`, `lower_quartile`, `median`, `upper_quartile`, `max`),
+    /// `milliseconds_once` (`open`, `prepare`, `first_frame`) and `peak_bytes` (null where the system does not tell). `ratios` says `of` what,
+    /// and has the same stages and their `spread`; it is null for one backend.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -408,6 +477,8 @@ mod tests {
             ("shadow render --threads 1025", "0..=1024"),
             ("shadow render --size 0x5", "1 to 16384"),
             ("shadow compare --backends cpu,cpu", "comparing a backend with itself proves nothing"),
+            ("shadow bench --frames 0", "1..=10000"),
+            ("shadow bench --backends cpu,cpu", "at most once"),
             ("shadow render --filter soft", "bilinear"),
         ] {
             let error = parse(line).unwrap_err();

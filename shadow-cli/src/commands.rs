@@ -2,6 +2,7 @@
 
 mod render;
 mod compare;
+mod bench;
 mod plan;
 mod devices;
 
@@ -24,6 +25,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
     match args.into_command()? {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Devices(args) => devices::run(&args),
     }

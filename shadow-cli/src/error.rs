@@ -54,7 +54,7 @@ pub(crate) enum CliError {
     #[error("--bias-constant {0} has no meaning with --bias none; use --bias constant or --bias slope, or leave it out")]
     BiasConstant(f32),
     /// An adapter for a renderer that has none.
-    #[error("--adapter `{0}` chooses a graphics adapter, but the backend is cpu; add --backend gpu or leave it out")]
+    #[error("--adapter `{0}` chooses a graphics adapter, but only the cpu backend is used; name gpu in --backend or --backends, or leave it out")]
     AdapterOfCpu(String),
     /// The plan.
     #[error(transparent)]

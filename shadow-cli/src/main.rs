@@ -14,6 +14,8 @@ mod picture;
 mod output;
 mod console;
 mod memory;
+mod resident;
+mod statistics;
 mod error;
 
 use std::process::ExitCode;

@@ -115,6 +115,22 @@ impl FromStr for BackendPair {
     }
 }
 
+/// One or both backends, in the order in which they were named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct BackendList(pub(crate) Vec<Backend>);
+
+impl FromStr for BackendList {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let failed = || SpecError::BackendList(text.into());
+        let backends = text.split(',').map(|name| Backend::from_str(name.trim(), false)).collect::<Result<Vec<_>, _>>();
+        let backends = backends.map_err(|_| failed())?;
+        let is_repeated = backends.iter().enumerate().any(|(index, backend)| backends[..index].contains(backend));
+        if is_repeated { Err(failed()) } else { Ok(Self(backends)) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,6 +172,15 @@ mod tests {
         assert_eq!("gpu,gpu".parse::<BackendPair>(), Err(SpecError::SameBackend));
         for bad in ["cpu", "cpu,gpu,cpu", "cpu,trace", ""] {
             assert_eq!(bad.parse::<BackendPair>(), Err(SpecError::Backends(bad.into())));
+        }
+    }
+
+    #[test]
+    fn backends_come_in_lists_without_repetition() {
+        assert_eq!("gpu".parse(), Ok(BackendList(vec![Backend::Gpu])));
+        assert_eq!("gpu, cpu".parse(), Ok(BackendList(vec![Backend::Gpu, Backend::Cpu])));
+        for bad in ["", "cpu,cpu", "cpu,gpu,cpu", "cpu,", "trace"] {
+            assert_eq!(bad.parse::<BackendList>(), Err(SpecError::BackendList(bad.into())));
         }
     }
 }

@@ -137,6 +137,38 @@ fn compare_reports_every_layer() {
 }
 
 #[test]
+fn bench_times_every_stage_of_both_backends() {
+    let folder = Folder::new("bench");
+    let sizes = ["--size", "64x36", "--map-size", "64", "--frames", "3", "--json"];
+    let report = folder.json(&[&["bench", "builtin:fence"], &sizes[..]].concat());
+    assert_eq!((report["frames"].as_u64(), report["map_size"].as_u64(), report["width"].as_u64()), (Some(3), Some(64), Some(64)));
+    assert!(report["triangles"].as_u64().is_some_and(|count| count > 0));
+    let backends = report["backends"].as_array().expect("there are backends");
+    assert_eq!(backends.iter().filter_map(|backend| backend["backend"].as_str()).collect::<Vec<_>>(), ["cpu", "gpu"]);
+    assert!(backends[0]["adapter"].is_null());
+    assert_eq!(backends[1]["adapter"], renderers::gpu().adapter().name);
+    for backend in backends {
+        for stage in ["shadow_maps", "camera", "shading", "total"] {
+            let median = backend["milliseconds"][stage].as_f64().expect("every stage has a median");
+            let of_spread = |field: &str| backend["spread"][stage][field].as_f64().expect("every stage has a spread");
+            assert!(median > 0.0 && of_spread("min") <= median && median <= of_spread("max"), "{stage} in {backend}");
+        }
+        for part in ["open", "prepare", "first_frame"] {
+            assert!(backend["milliseconds_once"][part].as_f64().is_some_and(|time| time > 0.0), "{part} in {backend}");
+        }
+        if cfg!(target_os = "linux") {
+            assert!(backend["peak_bytes"].as_u64().is_some_and(|bytes| bytes > 0), "{backend}");
+        }
+    }
+    assert!(report["ratios"]["total"].as_f64().is_some_and(|ratio| ratio > 0.0), "{report}");
+    assert!(report["ratios"]["of"].as_str().is_some_and(|of| of.starts_with("milliseconds of gpu divided by")), "{report}");
+    let alone = folder.json(&[&["bench", "builtin:fence", "--backends", "cpu", "--threads", "1"], &sizes[..]].concat());
+    assert!(alone["ratios"].is_null() && alone["backends"].as_array().is_some_and(|backends| backends.len() == 1));
+    assert_eq!(alone["backends"][0]["threads"], 1);
+    assert!(folder.files().is_empty(), "nothing is written: {:?}", folder.files());
+}
+
+#[test]
 fn the_plan_names_its_matrices_and_lengths() {
     let folder = Folder::new("plan");
     let light = "point:pos=0,3,0;cd=100;range=20";
@@ -179,6 +211,9 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["render", "--output", "picture.bmp"], &["bmp", "png"]),
         (&["render", "--backend", "gpu", "--adapter", "no such adapter"], &["no such adapter"]),
         (&["compare", "--backends", "cpu,cpu"], &["itself"]),
+        (&["bench", "--frames", "0"], &["10000"]),
+        (&["bench", "--backends", "tpu"], &["tpu", "cpu", "gpu"]),
+        (&["bench", "--backends", "cpu", "--adapter", "llvmpipe"], &["llvmpipe", "--backend"]),
     ];
     for (arguments, words) in cases {
         let sentence = folder.refusal(arguments).to_lowercase();
@@ -193,7 +228,7 @@ fn wrong_requests_are_refused_with_a_sentence() {
 #[test]
 fn help_teaches() {
     let folder = Folder::new("help");
-    for command in ["render", "compare", "plan"] {
+    for command in ["render", "compare", "bench", "plan"] {
         let output = folder.run(&[command, "--help"]);
         let help = String::from_utf8_lossy(&output.stdout);
         for part in ["Examples:", "--light", "--camera", "--map-size", "--bias", "lux", "cd"] {

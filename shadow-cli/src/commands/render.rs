@@ -6,8 +6,8 @@ use shadow_scene::StageTimes;
 
 use super::Verdict;
 use crate::{
-    args::{Backend, RenderArgs},
-    backend::RenderedFrame,
+    args::RenderArgs,
+    backend::{RenderedFrame, check_machine},
     console::{Console, print, print_json},
     error::CliError,
     memory,
@@ -55,7 +55,7 @@ impl From<StageTimes> for Milliseconds {
 pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     check_picture_path(&args.output)?;
     let console = Console::new(args.json);
-    check_machine(args, &console)?;
+    check_machine(&args.machine, &[args.backend], &console)?;
     let job = Job::resolve(&args.picture, &console)?;
     let layer = job.layer(&args.show)?;
     memory::check(&job.plan, args.backend.copies())?;
@@ -80,16 +80,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     };
     if args.json { print_json(&report) } else { print(&sentences(&report, &job, &rendered, &layer.to_string())) }?;
     Ok(Verdict::Done)
-}
-
-/// Refuses an adapter that would not be used, and says where threads are not.
-fn check_machine(args: &RenderArgs, console: &Console) -> Result<(), CliError> {
-    match (args.backend, &args.machine.adapter) {
-        (Backend::Cpu, Some(adapter)) => return Err(CliError::AdapterOfCpu(adapter.clone())),
-        (Backend::Gpu, _) if args.machine.threads != 0 => console.note("--threads has no effect on the gpu backend"),
-        _ => {}
-    }
-    Ok(())
 }
 
 /// The report for people.

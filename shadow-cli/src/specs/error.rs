@@ -74,6 +74,9 @@ pub(crate) enum SpecError {
     /// Not two backends.
     #[error("`{0}` is not a pair of backends; write exactly two of cpu and gpu, such as cpu,gpu")]
     Backends(String),
+    /// Not a list of backends.
+    #[error("`{0}` is not a list of backends; write cpu, gpu or both, each at most once, such as cpu,gpu")]
+    BackendList(String),
     /// The same backend twice.
     #[error("comparing a backend with itself proves nothing; name two different ones, such as cpu,gpu")]
     SameBackend,
