@@ -3,7 +3,10 @@
 use glam::{DVec3, Vec3};
 use shadow_math::{Camera, CameraError, Light, LightError, LightKind, Projection, bounds::Aabb};
 
-use crate::scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices};
+use crate::{
+    scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices},
+    source::SourceFacts,
+};
 
 /// Why a scene cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -141,6 +144,7 @@ pub struct SceneBuilder {
     lights: Vec<SceneLight>,
     cameras: Vec<SceneCamera>,
     notes: Vec<String>,
+    source: SourceFacts,
 }
 
 impl SceneBuilder {
@@ -158,6 +162,7 @@ impl SceneBuilder {
             lights: Vec::new(),
             cameras: Vec::new(),
             notes: Vec::new(),
+            source: SourceFacts::default(),
         }
     }
 
@@ -179,6 +184,12 @@ impl SceneBuilder {
         (self.images.len() - 1) as u32
     }
 
+    /// The images so far.
+    #[must_use]
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
     /// Adds a light.
     pub fn add_light(&mut self, name: impl Into<String>, light: Light) {
         self.lights.push(SceneLight { name: name.into(), light });
@@ -192,6 +203,11 @@ impl SceneBuilder {
     /// Adds a sentence that the program shows to the person who loaded the scene.
     pub fn add_note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
+    }
+
+    /// Says what there is in the file that the scene comes from.
+    pub fn set_source(&mut self, source: SourceFacts) {
+        self.source = source;
     }
 
     /// Adds triangles of one material.
@@ -291,6 +307,7 @@ impl SceneBuilder {
             has_default_camera,
             has_default_light,
             notes: self.notes,
+            source: self.source,
         })
     }
 }

@@ -22,6 +22,7 @@ use std::{fs, path::Path};
 use glam::DVec3;
 
 mod error;
+mod options;
 mod container;
 mod document;
 mod uri;
@@ -36,10 +37,12 @@ mod materials;
 mod lights;
 mod cameras;
 mod notes;
+mod facts;
 #[cfg(test)]
 mod tests;
 
 pub use error::ImportError;
+pub use options::{Choice, ImportOptions};
 
 use self::{
     buffers::Buffers, document::Document, error::Result, geometry::Part, materials::Materials, nodes::Hierarchy, notes::Notes,
@@ -58,17 +61,29 @@ const MAX_COORDINATE: f64 = 1e12;
 
 /// Imports a glTF 2.0 file, text (`.gltf`) or binary (`.glb`); its content decides which, not its name.
 ///
+/// This is [`import_with`] with the default options.
+///
+/// # Errors
+///
+/// As [`import_with`].
+pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
+    import_with(path, &ImportOptions::default())
+}
+
+/// Imports a chosen scene of a glTF 2.0 file, text (`.gltf`) or binary (`.glb`), in a chosen pose.
+///
 /// # Errors
 ///
 /// An [`ImportError`] if the file or one that it refers to cannot be read, is not as glTF demands, needs an extension that is
-/// not supported, or has nothing to draw. It names the file and the place in it.
-pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
+/// not supported or more memory than the options allow, or does not have what they choose. It names the file and the place
+/// in it.
+pub fn import_with(path: &Path, options: &ImportOptions) -> core::result::Result<Scene, ImportError> {
     let file = path.display().to_string();
     match fs::read(path) {
         Ok(bytes) => {
             // The parent of a bare name is the empty path, which stands for the current folder only in joins.
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            import_bytes(&file, &bytes, Folder(Some(folder)))
+            import_bytes(&file, &bytes, Folder(Some(folder)), options)
         }
         Err(source) => Err(ImportError::Read { file, source }),
     }
@@ -76,9 +91,11 @@ pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
 
 /// Imports the content of a glTF 2.0 file that refers to no other file. `name` is what messages call it.
 ///
+/// This is [`import_slice_with`] with the default options.
+///
 /// # Errors
 ///
-/// As [`import`], and if there is a reference to another file.
+/// As [`import_slice_with`].
 ///
 /// ```
 /// let gltf = br#"{
@@ -95,15 +112,36 @@ pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
 /// # Ok::<(), shadow_scene::ImportError>(())
 /// ```
 pub fn import_slice(name: &str, bytes: &[u8]) -> core::result::Result<Scene, ImportError> {
-    import_bytes(name, bytes, Folder(None))
+    import_slice_with(name, bytes, &ImportOptions::default())
 }
 
-fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>) -> Result<Scene> {
+/// Imports a chosen scene, in a chosen pose, from the content of a glTF 2.0 file that refers to no other file. `name` is
+/// what messages call it.
+///
+/// # Errors
+///
+/// As [`import_with`], and if there is a reference to another file.
+///
+/// ```
+/// use shadow_scene::{Choice, ImportOptions, import::import_slice_with};
+///
+/// let gltf = br#"{"asset": {"version": "2.0"}, "scenes": [{"name": "day"}, {"name": "night"}]}"#;
+/// let options = ImportOptions { scene: Some(Choice::Name("dusk".into())), ..ImportOptions::default() };
+/// let error = import_slice_with("house.gltf", gltf, &options).unwrap_err();
+/// assert_eq!(error.to_string(), "house.gltf: there is no scene `dusk`; choose one of 0 (`day`), 1 (`night`)");
+/// ```
+pub fn import_slice_with(name: &str, bytes: &[u8], options: &ImportOptions) -> core::result::Result<Scene, ImportError> {
+    import_bytes(name, bytes, Folder(None), options)
+}
+
+fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>, options: &ImportOptions) -> Result<Scene> {
     let container = container::split(file, bytes)?;
     let document = Document::parse(file, container.json)?;
     let buffers = Buffers::load(&document, folder, container.bin)?;
-    let hierarchy = Hierarchy::place(&document)?;
-    let mut notes = Notes { extensions: document.ignored_extensions().map(str::to_owned).collect(), ..Notes::default() };
+    let scene = document.scene(options.scene.as_ref())?;
+    let hierarchy = Hierarchy::place(&document, scene)?;
+    let mut facts = facts::of(&document, scene);
+    let mut notes = Notes { extensions: facts.extensions_ignored.clone(), ..Notes::default() };
     let parts = geometry::collect(&document, &buffers, &hierarchy, &mut notes)?;
 
     let positions = || parts.iter().flat_map(|part| &part.positions);
@@ -122,6 +160,10 @@ fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>) -> Result<Scene> {
     for sentence in notes.sentences() {
         builder.add_note(sentence);
     }
+    materials.describe_images(&builder, &mut facts);
+    facts.points_and_lines = notes.points_or_lines;
+    facts.blended_materials = notes.blended;
+    builder.set_source(facts);
     builder.build().map_err(|source| scene_error(file, source))
 }
 

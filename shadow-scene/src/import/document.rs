@@ -5,7 +5,10 @@ use core::fmt::Display;
 use gltf::json::{Root, mesh::Semantic, validation};
 use serde_json::Value;
 
-use super::error::{ImportError, Result};
+use super::{
+    error::{ImportError, Result},
+    options::Choice,
+};
 
 /// Extensions whose every effect that matters here is imported.
 const SUPPORTED: &[&str] = &["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
@@ -104,6 +107,37 @@ impl Document {
     /// The extensions that the file uses and that are left out.
     pub(super) fn ignored_extensions(&self) -> impl Iterator<Item = &str> {
         self.root.extensions_used.iter().map(String::as_str).filter(|name| !SUPPORTED.contains(name))
+    }
+
+    /// The scene that is drawn: the one that is chosen, or the default one, or the first; `None` if there is none.
+    pub(super) fn scene(&self, choice: Option<&Choice>) -> Result<Option<usize>> {
+        let scenes = &self.root.scenes;
+        match choice {
+            Some(choice) => self.choose("scene", choice, scenes.iter().map(|scene| scene.name.as_deref())).map(Some),
+            // `validate` has seen that the default scene exists.
+            None => Ok(self.root.scene.map(|scene| scene.value()).or((!scenes.is_empty()).then_some(0))),
+        }
+    }
+
+    /// The number of a chosen thing. `what` it is in a word, and `names` the names of all there are.
+    pub(super) fn choose<'a>(
+        &self,
+        what: &'static str,
+        choice: &Choice,
+        names: impl Iterator<Item = Option<&'a str>> + Clone,
+    ) -> Result<usize> {
+        let found = match choice {
+            Choice::Index(index) => Some(*index).filter(|&index| index < names.clone().count()),
+            Choice::Name(wanted) => names.clone().position(|name| name == Some(wanted)),
+        };
+        found.ok_or_else(|| {
+            let known: Vec<String> = names
+                .enumerate()
+                .map(|(index, name)| name.map_or_else(|| index.to_string(), |name| format!("{index} (`{name}`)")))
+                .collect();
+            let choice = choice.to_string();
+            ImportError::Choice { file: self.file.clone(), what, choice, known: known.join(", ") }
+        })
     }
 
     /// The checks of the `gltf` crate, and before them those it forgets.

@@ -79,6 +79,18 @@ pub enum ImportError {
         /// What the operating system says.
         source: io::Error,
     },
+    /// A scene or an animation is chosen that the file does not have.
+    #[error("{file}: there is no {what} {choice}; {}", choice_hint(what, known))]
+    Choice {
+        /// The file.
+        file: String,
+        /// "scene" or "animation".
+        what: &'static str,
+        /// What was chosen.
+        choice: String,
+        /// What there is, in words; empty if there is nothing.
+        known: String,
+    },
     /// What the file contains makes no scene.
     #[error("{file}: {source}")]
     Scene {
@@ -100,4 +112,9 @@ fn read_hint(error: &io::Error) -> &'static str {
         io::ErrorKind::PermissionDenied => "; ask for the right to read it, or copy it",
         _ => "",
     }
+}
+
+/// What to choose instead of what there is not.
+fn choice_hint(what: &str, known: &str) -> String {
+    if known.is_empty() { format!("the file has no {what}s: choose none") } else { format!("choose one of {known}") }
 }

@@ -13,6 +13,7 @@ use super::{buffers::Buffers, document::Document, error::Result, images, notes::
 use crate::{
     builder::SceneBuilder,
     scene::{Alpha, Material, Texture, Wrap},
+    source::SourceFacts,
 };
 
 /// Where the texture coordinates of a material's base colour come from.
@@ -77,6 +78,14 @@ impl<'a> Materials<'a> {
         let added = builder.add_material(material);
         self.materials.insert(index, added);
         Ok(added)
+    }
+
+    /// Adds the sizes of the images that were read to the facts about the file.
+    pub(super) fn describe_images(&self, builder: &SceneBuilder, facts: &mut SourceFacts) {
+        for (&source, &image) in &self.images {
+            let image = &builder.images()[image as usize];
+            facts.images[source].size = Some([image.width, image.height]);
+        }
     }
 
     fn read(&mut self, index: usize, builder: &mut SceneBuilder, notes: &mut Notes) -> Result<Material> {

@@ -19,9 +19,9 @@ impl Hierarchy {
         self.world_from_node.get(node).copied().flatten()
     }
 
-    /// Places the nodes of the default scene, or of the first, or, in a file without scenes, all nodes; and after them
-    /// those outside of it, since they may be joints.
-    pub(super) fn place(document: &Document) -> Result<Self> {
+    /// Places the nodes of a scene, or all nodes if it is `None`; and after them those outside of it, since they may be
+    /// joints.
+    pub(super) fn place(document: &Document, scene: Option<usize>) -> Result<Self> {
         let root = &document.root;
         let mut is_child = vec![false; root.nodes.len()];
         for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
@@ -30,9 +30,9 @@ impl Hierarchy {
         }
         let orphans = (0..root.nodes.len()).filter(|&node| !is_child[node]);
         let mut hierarchy = Self { drawn: Vec::new(), world_from_node: vec![None; root.nodes.len()] };
-        let scene = root.scene.map_or(0, |scene| scene.value());
-        if let Some(json) = root.scenes.get(scene) {
-            for (i, node) in json.nodes.iter().enumerate() {
+        if let Some(scene) = scene {
+            // `Document::scene` gives only scenes that exist.
+            for (i, node) in root.scenes[scene].nodes.iter().enumerate() {
                 hierarchy.descend(document, node.value(), &format!("scenes[{scene}].nodes[{i}]"))?;
             }
         } else {
