@@ -6,9 +6,10 @@ use std::path::PathBuf;
 
 use clap::{
     Args as ClapArgs, Parser, Subcommand, ValueEnum,
-    builder::{OsStringValueParser, TypedValueParser},
+    builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
+use clap_complete::Shell;
 use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
 
 use crate::specs::{BackendList, BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
@@ -25,7 +26,8 @@ Examples:
   shadow devices                                which graphics adapters there are
 
 `shadow help COMMAND` explains a command's options.
-Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong.";
+Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong,
+130 interrupted (Ctrl-C, or told to end); no half-written file stays behind, whatever the code.";
 
 /// Checkable shadow mapping: the same shadows from two independent renderers
 ///
@@ -73,9 +75,10 @@ struct DefaultArgs {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw one picture of a scene as a PNG file
+    /// Draw one picture of a scene, or its numbers
     ///
-    /// Draws the scene, or one of the layers that the picture is made of, and writes a PNG file.
+    /// Draws the scene, or one of the layers that the picture is made of, and writes it: as a PNG file to look at, or as an OpenEXR file
+    /// with the exact numbers.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
     /// Check that two renderers agree, layer by layer
@@ -105,7 +108,18 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     /// List the graphics adapters that the GPU backend can use
     Devices(DevicesArgs),
+    /// Print what a shell needs to complete commands and options
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions(CompletionsArgs),
+    /// Print a manual page
+    ///
+    /// Prints the manual page of the program, or of one of its commands, in the form that man(1) reads.
+    #[command(after_help = MAN_EXAMPLES)]
+    Man(ManArgs),
 }
+
+/// The names of the commands.
+pub(crate) const COMMANDS: [&str; 7] = ["render", "compare", "bench", "plan", "devices", "completions", "man"];
 
 /// Examples for `shadow render`.
 const RENDER_EXAMPLES: &str = "\
@@ -116,6 +130,7 @@ Examples:
   shadow render house.glb --light 'directional:dir=-1,-2,-1;lux=20000'
   shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
   shadow render builtin:fence --filter hard --bias none --show shadow-map
+  shadow render house.glb --show depth --output depth.exr
   shadow render house.glb --json | jq .milliseconds";
 
 /// Examples for `shadow compare`.
@@ -163,6 +178,21 @@ const PLAN_EXAMPLES: &str = "\
 Examples:
   shadow plan house.glb --map-size 4096
   shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
+
+/// Examples for `shadow completions`.
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  shadow completions bash > ~/.local/share/bash-completion/completions/shadow
+  shadow completions zsh > ~/.zfunc/_shadow          # a folder in fpath
+  shadow completions fish > ~/.config/fish/completions/shadow.fish
+  shadow completions powershell >> $PROFILE";
+
+/// Examples for `shadow man`.
+const MAN_EXAMPLES: &str = "\
+Examples:
+  shadow man > ~/.local/share/man/man1/shadow.1
+  shadow man render > ~/.local/share/man/man1/shadow-render.1
+  shadow man bench | man -l -";
 
 /// What `--show` takes, in a line.
 const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
@@ -285,7 +315,13 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LAYER", default_value = "color", help = SHOW_HELP, long_help = SHOW_LONG_HELP, help_heading = "Picture")]
     pub(crate) show: Show,
 
-    /// The file to write; its name must end in .png
+    /// The file to write; its name must end in .png or .exr
+    ///
+    /// PNG is a picture to look at. EXR has the numbers, exactly as they were computed, as 32-bit floats: color is linear red, green, blue
+    /// and alpha after exposure; the other layers have one number, in red, green and blue alike. depth is reversed, 1 at the camera's near
+    /// plane and 0 at infinity or the far plane, and where there is nothing. shadow-map is 0 at the light's near plane and 1 at its far
+    /// plane, and where there is nothing. visibility is 0 in shadow and 1 in light. `shadow plan --json` has the matrices that turn depths
+    /// into metres. A file that is already there is replaced once the new one is complete.
     #[arg(short, long, value_name = "FILE", default_value = "shadow.png", help_heading = "Picture")]
     pub(crate) output: PathBuf,
 
@@ -390,6 +426,22 @@ pub(crate) struct DevicesArgs {
     pub(crate) json: bool,
 }
 
+/// `shadow completions`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+/// `shadow man`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ManArgs {
+    /// The command whose page is printed; without one it is the program's
+    #[arg(value_name = "COMMAND", value_parser = PossibleValuesParser::new(COMMANDS))]
+    pub(crate) command: Option<String>,
+}
+
 /// A renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Backend {
@@ -441,6 +493,8 @@ mod tests {
     fn the_definition_is_consistent() {
         use clap::CommandFactory;
         Args::command().debug_assert();
+        let commands: Vec<_> = Args::command().get_subcommands().map(|command| command.get_name().to_string()).collect();
+        assert_eq!(commands, COMMANDS);
     }
 
     #[test]

@@ -5,6 +5,8 @@ mod compare;
 mod bench;
 mod plan;
 mod devices;
+mod completions;
+mod man;
 
 use crate::{
     args::{Args, Command},
@@ -28,5 +30,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Bench(args) => bench::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     }
 }

@@ -54,7 +54,9 @@ pub(crate) enum CliError {
     #[error("--bias-constant {0} has no meaning with --bias none; use --bias constant or --bias slope, or leave it out")]
     BiasConstant(f32),
     /// An adapter for a renderer that has none.
-    #[error("--adapter `{0}` chooses a graphics adapter, but only the cpu backend is used; name gpu in --backend or --backends, or leave it out")]
+    #[error(
+        "--adapter `{0}` chooses a graphics adapter, but only the cpu backend is used; name gpu in --backend or --backends, or leave it out"
+    )]
     AdapterOfCpu(String),
     /// The plan.
     #[error(transparent)]
@@ -99,7 +101,7 @@ pub(crate) enum CliError {
     #[error("the two pictures cannot be compared")]
     Compare(#[from] CompareError),
     /// The output's name does not end in a format that can be written.
-    #[error("cannot write `{}`: {}; choose a name that ends in .png", path.display(), format_problem(path))]
+    #[error("cannot write `{}`: {}; choose a name that ends in .png (a picture) or .exr (the numbers)", path.display(), format_problem(path))]
     Format {
         /// The file.
         path: PathBuf,
@@ -127,7 +129,7 @@ impl CliError {
 /// What is wrong with the name of a picture.
 fn format_problem(path: &std::path::Path) -> String {
     match path.extension() {
-        Some(extension) => format!("pictures are written as PNG, not as .{}", extension.to_string_lossy()),
+        Some(extension) => format!("the formats are PNG and OpenEXR, not .{}", extension.to_string_lossy()),
         None => "its name has no ending that says the format".into(),
     }
 }
@@ -171,8 +173,10 @@ mod tests {
 
     #[test]
     fn a_wrong_ending_is_named() {
-        let text = CliError::Format { path: "a/b.exr".into() }.to_string();
-        assert!(text.contains("a/b.exr") && text.contains(".exr;") && text.contains(".png"), "{text}");
+        let text = CliError::Format { path: "a/b.jpg".into() }.to_string();
+        for part in ["a/b.jpg", "not .jpg;", ".png", ".exr"] {
+            assert!(text.contains(part), "`{part}` in {text}");
+        }
         assert!(CliError::Format { path: "picture".into() }.to_string().contains("no ending"));
     }
 }

@@ -10,3 +10,4 @@ mod slope_bias;
 mod limits;
 mod agreement;
 mod program;
+mod program_files;

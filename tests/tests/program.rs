@@ -12,7 +12,7 @@ use shadow_gpu::DriverRules;
 use shadow_tests::renderers;
 
 /// The program, built once in the profile of the tests.
-fn program() -> &'static Path {
+pub(crate) fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
         // Tests run from the folder `deps` beside the programs of their profile.
@@ -31,22 +31,27 @@ fn program() -> &'static Path {
 }
 
 /// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         let path = env::temp_dir().join(format!("shadow-tests-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&path).expect("the temporary folder can be written");
         Self(path)
     }
 
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// Runs the program in the folder.
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         Command::new(program()).args(arguments).current_dir(&self.0).output().expect("the program runs")
     }
 
     /// Runs the program, which must succeed, and reads what it prints as JSON.
-    fn json(&self, arguments: &[&str]) -> Value {
+    pub(crate) fn json(&self, arguments: &[&str]) -> Value {
         let output = self.run(arguments);
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {stderr}");
@@ -54,7 +59,7 @@ impl Folder {
     }
 
     /// Runs the program, which must refuse, and gives its sentence.
-    fn refusal(&self, arguments: &[&str]) -> String {
+    pub(crate) fn refusal(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
@@ -63,11 +68,13 @@ impl Folder {
         stderr
     }
 
-    fn picture(&self, name: &str) -> image::RgbImage {
+    /// Reads a picture in it.
+    pub(crate) fn picture(&self, name: &str) -> image::RgbImage {
         image::open(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}")).into_rgb8()
     }
 
-    fn files(&self) -> Vec<String> {
+    /// The names in it, in order.
+    pub(crate) fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).expect("the folder can be read");
         let mut names: Vec<_> =
             entries.map(|entry| entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()).collect();
@@ -189,6 +196,28 @@ fn devices_lists_the_adapter_of_the_tests() {
     assert!(report.to_string().contains(&name), "{name} in {report}");
 }
 
+/// Completions and manual pages know every command, and what they print is what a shell and man(1) read.
+#[test]
+fn completions_and_manual_pages_know_the_commands() {
+    let folder = Folder::new("completions");
+    let print = |arguments: &[&str]| {
+        let output = folder.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = print(&["completions", shell]);
+        for part in ["compare", "bench", "map-size"] {
+            assert!(script.contains(part), "`{part}` in the completions for {shell}");
+        }
+    }
+    let page = print(&["man"]);
+    for part in [".TH shadow 1", "shadow\\-bench(1)", "Exit codes"] {
+        assert!(page.contains(part), "`{part}` in {page}");
+    }
+    assert!(print(&["man", "bench"]).contains("\\-\\-frames"));
+}
+
 /// Every refusal names what is wrong and what to do instead, and leaves no file behind.
 #[test]
 fn wrong_requests_are_refused_with_a_sentence() {
@@ -208,7 +237,9 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["render", "--camera", "9"], &["9", "camera"]),
         (&["render", "--exposure", "nan"], &["nan"]),
         (&["render", "--show", "visibility:7"], &["7", "2 lights"]),
-        (&["render", "--output", "picture.bmp"], &["bmp", "png"]),
+        (&["render", "--output", "picture.bmp"], &["bmp", ".png", ".exr"]),
+        (&["man", "draw"], &["draw", "render", "compare"]),
+        (&["completions", "tcsh"], &["tcsh", "bash", "zsh"]),
         (&["render", "--backend", "gpu", "--adapter", "no such adapter"], &["no such adapter"]),
         (&["compare", "--backends", "cpu,cpu"], &["itself"]),
         (&["bench", "--frames", "0"], &["10000"]),

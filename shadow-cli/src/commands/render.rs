@@ -11,7 +11,7 @@ use crate::{
     console::{Console, print, print_json},
     error::CliError,
     memory,
-    output::{check_picture_path, write_picture},
+    output::{Format, check_output_path, write_layer, write_picture},
     picture::pictures,
     resolve::{Job, request_for},
 };
@@ -53,7 +53,7 @@ impl From<StageTimes> for Milliseconds {
 
 /// Renders the picture and writes it.
 pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
-    check_picture_path(&args.output)?;
+    let format = check_output_path(&args.output)?;
     let console = Console::new(args.json);
     check_machine(&args.machine, &[args.backend], &console)?;
     let job = Job::resolve(&args.picture, &console)?;
@@ -62,9 +62,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
 
     let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
-    let [picture] = pictures([shown], &job.plan);
     console.stage(format!("writing {}", args.output.display()));
-    write_picture(&args.output, &picture)?;
+    match format {
+        Format::Png => {
+            let [picture] = pictures([shown], &job.plan);
+            write_picture(&args.output, &picture)?;
+        }
+        Format::Exr => write_layer(&args.output, shown)?,
+    }
     console.finish();
 
     let report = Report {
