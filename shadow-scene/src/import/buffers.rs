@@ -3,24 +3,26 @@
 use core::fmt::Display;
 use std::borrow::Cow;
 
-use super::{document::Document, error::Result, uri::Folder};
-
-/// The most bytes of all buffers together. A file may name one large buffer any number of times.
-const MAX_BYTES: u64 = 1 << 32;
+use super::{
+    budget::{Budget, Use},
+    document::Document,
+    error::Result,
+    uri::Folder,
+};
 
 /// The contents of a file's buffers.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     /// `None` for a buffer that the file leaves to others to fill.
     contents: Vec<Option<Cow<'a, [u8]>>>,
+    budget: &'a Budget,
 }
 
 impl<'a> Buffers<'a> {
     /// Loads every buffer; each is then exactly as long as its `byteLength`.
     ///
     /// `bin` is what the binary container holds.
-    pub(super) fn load(document: &Document, folder: Folder<'_>, bin: Option<&'a [u8]>) -> Result<Self> {
-        let mut total = 0_u64;
+    pub(super) fn load(document: &Document, folder: Folder<'a>, bin: Option<&'a [u8]>) -> Result<Self> {
         let mut contents = Vec::new();
         for (i, buffer) in document.root.buffers.iter().enumerate() {
             let length = buffer.byte_length.0;
@@ -28,15 +30,9 @@ impl<'a> Buffers<'a> {
             if length == 0 {
                 return Err(fail(&"a buffer must have at least 1 byte; export the file again"));
             }
-            total = total.saturating_add(length);
-            if total > MAX_BYTES {
-                return Err(fail(&format_args!(
-                    "with it the buffers have {total} bytes; at most {MAX_BYTES} are read: draw a part of the scene"
-                )));
-            }
             contents.push(match (&buffer.uri, bin) {
                 (Some(uri), _) => {
-                    let mut bytes = folder.read(document, uri, Some(length), format_args!("buffers[{i}]"))?;
+                    let mut bytes = folder.read(document, uri, Use::Buffers, Some(length), format_args!("buffers[{i}]"))?;
                     bytes.truncate(length as usize);
                     Some(Cow::Owned(bytes))
                 }
@@ -46,7 +42,12 @@ impl<'a> Buffers<'a> {
                 (None, _) => None,
             });
         }
-        Ok(Self { contents })
+        Ok(Self { contents, budget: folder.budget })
+    }
+
+    /// The memory that the import may take.
+    pub(super) fn budget(&self) -> &'a Budget {
+        self.budget
     }
 
     /// The bytes of a buffer view. `place` is what uses it.

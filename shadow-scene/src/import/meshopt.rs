@@ -1,0 +1,1 @@
+//! EXT_meshopt_compression.
