@@ -235,6 +235,11 @@ impl<'a> Accessor<'a> {
         self.count
     }
 
+    /// Whether all elements are zero because the file has no bytes for them.
+    pub(super) fn is_left_out(&self) -> bool {
+        self.bytes.is_none() && self.sparse.is_none()
+    }
+
     /// How many numbers an element has.
     pub(super) fn width(&self) -> usize {
         self.kind.multiplicity()

@@ -1,12 +1,13 @@
 //! Buffers and the views into them, every length checked against the bytes there really are.
 
-use core::fmt::Display;
+use core::{cell::OnceCell, fmt::Display};
 use std::borrow::Cow;
 
 use super::{
     budget::{Budget, Use},
     document::Document,
     error::Result,
+    meshopt,
     uri::Folder,
 };
 
@@ -15,6 +16,8 @@ use super::{
 pub(super) struct Buffers<'a> {
     /// `None` for a buffer that the file leaves to others to fill.
     contents: Vec<Option<Cow<'a, [u8]>>>,
+    /// The contents of compressed buffer views, once they have been asked for; `None` for views that are not compressed.
+    decompressed: Vec<OnceCell<Option<Vec<u8>>>>,
     budget: &'a Budget,
 }
 
@@ -42,7 +45,8 @@ impl<'a> Buffers<'a> {
                 (None, _) => None,
             });
         }
-        Ok(Self { contents, budget: folder.budget })
+        let decompressed = vec![OnceCell::new(); document.root.buffer_views.len()];
+        Ok(Self { contents, decompressed, budget: folder.budget })
     }
 
     /// The memory that the import may take.
@@ -50,8 +54,27 @@ impl<'a> Buffers<'a> {
         self.budget
     }
 
+    /// The bytes of a buffer; `None` if there are none, or no such buffer.
+    pub(super) fn content(&self, buffer: usize) -> Option<&[u8]> {
+        self.contents.get(buffer)?.as_deref()
+    }
+
+    /// The content of a compressed buffer view, which is decompressed when it is asked for first; `None` for others.
+    fn decompressed(&self, document: &Document, view: usize) -> Result<Option<&[u8]>> {
+        // `Document` guarantees the index of a view.
+        let cell = &self.decompressed[view];
+        if cell.get().is_none() {
+            // Nothing else fills the cell meanwhile.
+            let _ = cell.set(meshopt::decode(document, self, view)?);
+        }
+        Ok(cell.get().and_then(Option::as_deref))
+    }
+
     /// The bytes of a buffer view. `place` is what uses it.
     pub(super) fn view(&self, document: &Document, view: usize, place: impl Display) -> Result<&[u8]> {
+        if let Some(bytes) = self.decompressed(document, view)? {
+            return Ok(bytes);
+        }
         // `Document` guarantees both indices, and `load` that there is a content for each buffer.
         let json = &document.root.buffer_views[view];
         let Some(buffer) = &self.contents[json.buffer.value()] else {
