@@ -23,12 +23,17 @@ use glam::DVec3;
 
 mod error;
 mod options;
+mod budget;
 mod container;
 mod document;
 mod uri;
 mod buffers;
+mod meshopt;
 mod accessor;
+mod animation;
 mod nodes;
+mod draco;
+mod attributes;
 mod geometry;
 mod instancing;
 mod skin;
@@ -45,7 +50,15 @@ pub use error::ImportError;
 pub use options::{Choice, ImportOptions};
 
 use self::{
-    buffers::Buffers, document::Document, error::Result, geometry::Part, materials::Materials, nodes::Hierarchy, notes::Notes,
+    animation::Pose,
+    budget::{Budget, Use},
+    buffers::Buffers,
+    document::Document,
+    error::Result,
+    geometry::Part,
+    materials::Materials,
+    nodes::Hierarchy,
+    notes::Notes,
     uri::Folder,
 };
 use crate::{
@@ -79,14 +92,19 @@ pub fn import(path: &Path) -> core::result::Result<Scene, ImportError> {
 /// in it.
 pub fn import_with(path: &Path, options: &ImportOptions) -> core::result::Result<Scene, ImportError> {
     let file = path.display().to_string();
-    match fs::read(path) {
-        Ok(bytes) => {
-            // The parent of a bare name is the empty path, which stands for the current folder only in joins.
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            import_bytes(&file, &bytes, Folder(Some(folder)), options)
-        }
-        Err(source) => Err(ImportError::Read { file, source }),
-    }
+    let budget = Budget::new(&file, options.memory_limit);
+    let bytes = read_file(&file, path, &budget)?;
+    // The parent of a bare name is the empty path, which stands for the current folder only in joins.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    import_bytes(&file, &bytes, Folder { path: Some(folder), budget: &budget }, options)
+}
+
+/// The content of the file itself, if the budget has room for it.
+fn read_file(file: &str, path: &Path, budget: &Budget) -> Result<Vec<u8>> {
+    let failed = |source| ImportError::Read { file: file.into(), source };
+    let length = fs::metadata(path).map_err(failed)?.len();
+    budget.claim(Use::Buffers, length, "")?;
+    fs::read(path).map_err(failed)
 }
 
 /// Imports the content of a glTF 2.0 file that refers to no other file. `name` is what messages call it.
@@ -131,7 +149,8 @@ pub fn import_slice(name: &str, bytes: &[u8]) -> core::result::Result<Scene, Imp
 /// assert_eq!(error.to_string(), "house.gltf: there is no scene `dusk`; choose one of 0 (`day`), 1 (`night`)");
 /// ```
 pub fn import_slice_with(name: &str, bytes: &[u8], options: &ImportOptions) -> core::result::Result<Scene, ImportError> {
-    import_bytes(name, bytes, Folder(None), options)
+    let budget = Budget::new(name, options.memory_limit);
+    import_bytes(name, bytes, Folder { path: None, budget: &budget }, options)
 }
 
 fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>, options: &ImportOptions) -> Result<Scene> {
@@ -139,10 +158,11 @@ fn import_bytes(file: &str, bytes: &[u8], folder: Folder<'_>, options: &ImportOp
     let document = Document::parse(file, container.json)?;
     let buffers = Buffers::load(&document, folder, container.bin)?;
     let scene = document.scene(options.scene.as_ref())?;
-    let hierarchy = Hierarchy::place(&document, scene)?;
     let mut facts = facts::of(&document, scene);
     let mut notes = Notes { extensions: facts.extensions_ignored.clone(), ..Notes::default() };
-    let parts = geometry::collect(&document, &buffers, &hierarchy, &mut notes)?;
+    let pose = Pose::read(&document, &buffers, options, &mut facts, &mut notes)?;
+    let hierarchy = Hierarchy::place(&document, scene, &pose)?;
+    let parts = geometry::collect(&document, &buffers, &hierarchy, &pose, &mut notes)?;
 
     let positions = || parts.iter().flat_map(|part| &part.positions);
     let min = positions().copied().fold(DVec3::INFINITY, DVec3::min);

@@ -265,7 +265,7 @@ impl Scene {
         &self.cameras
     }
 
-    /// The bounds of every triangle.
+    /// The bounds of every triangle; of a scene without triangles, a cube of 1 m around the origin.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds

@@ -91,6 +91,38 @@ pub enum ImportError {
         /// What there is, in words; empty if there is nothing.
         known: String,
     },
+    /// The time of the pose is not a time.
+    #[error("{file}: the pose at {time} s cannot be drawn; a time is a number of seconds, 0 or more")]
+    Time {
+        /// The file.
+        file: String,
+        /// The time in seconds.
+        time: f64,
+    },
+    /// The pose at a time is asked for, but nothing in the file moves.
+    #[error("{file}: the pose at {time} s cannot be drawn, because the file has no animations; leave out the time")]
+    NoAnimation {
+        /// The file.
+        file: String,
+        /// The time in seconds.
+        time: f64,
+    },
+    /// The import would take more memory than it may.
+    #[error("{file}: {place}with these {what} the import takes {} MiB, but its memory limit is {} MiB; raise the limit, or {advice}", needed.div_ceil(MIB), limit / MIB)]
+    Memory {
+        /// The file.
+        file: String,
+        /// The JSON path of what needs it, with a colon and a space behind it; empty for the file itself.
+        place: String,
+        /// "buffers", "meshes" or "textures".
+        what: &'static str,
+        /// How many bytes the import would have taken with it.
+        needed: u64,
+        /// The limit in bytes.
+        limit: u64,
+        /// What to do other than to raise the limit.
+        advice: &'static str,
+    },
     /// What the file contains makes no scene.
     #[error("{file}: {source}")]
     Scene {
@@ -100,6 +132,9 @@ pub enum ImportError {
         source: Box<SceneError>,
     },
 }
+
+/// Bytes of a mebibyte.
+const MIB: u64 = 1 << 20;
 
 /// The result of a step of the import.
 pub(super) type Result<T> = core::result::Result<T, ImportError>;

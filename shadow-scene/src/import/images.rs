@@ -5,38 +5,64 @@ use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 
-use super::{buffers::Buffers, document::Document, error::Result, uri::Folder};
+use super::{
+    budget::{Budget, Use},
+    buffers::Buffers,
+    document::Document,
+    error::Result,
+    uri::Folder,
+};
 use crate::scene::Image;
 
 /// The most texels along a side: what graphics processors can hold.
 pub(super) const MAX_SIDE: u32 = 16_384;
 
-/// The most texels of all images of a scene: 2 GiB of them. A few kilobytes of PNG can stand for one image of the
-/// largest size.
-const MAX_TEXELS: u64 = 1 << 29;
-
 /// The most bytes that decoding one image may take: the largest image with four 16-bit channels.
 const MAX_DECODED_BYTES: u64 = MAX_SIDE as u64 * MAX_SIDE as u64 * 8;
 
-/// Reads the image `index` of the file; `texels` counts those of all images so far.
-pub(super) fn read(
-    document: &Document,
-    buffers: &Buffers<'_>,
-    folder: Folder<'_>,
-    index: usize,
-    texels: &mut u64,
-) -> Result<Image> {
+/// Deflate, which PNG uses, never packs more bytes than this into one.
+const MAX_DEFLATE_RATIO: u64 = 1032;
+
+/// JPEG spends at least one bit on each block of 8 by 8 texels.
+const MAX_JPEG_TEXELS_PER_BYTE: u64 = 8 * 8 * 8;
+
+/// Images of fewer texels than this are not worth the doubt.
+const SLACK_TEXELS: u64 = 1 << 16;
+
+/// Bytes of a texel of the scene.
+const TEXEL_BYTES: u64 = 4;
+
+/// Reads the image `index` of the file.
+pub(super) fn read(document: &Document, buffers: &Buffers<'_>, folder: Folder<'_>, index: usize) -> Result<Image> {
     // `Document` guarantees the index.
     let json = &document.root.images[index];
     let place = format!("images[{index}]");
     match (json.buffer_view, &json.uri) {
-        (Some(view), _) => decode(document, buffers.view(document, view.value(), &place)?, &place, texels),
-        (None, Some(uri)) => decode(document, &folder.read(document, uri, None, &place)?, &place, texels),
+        (Some(view), _) => decode(document, buffers.budget(), buffers.view(document, view.value(), &place)?, &place),
+        (None, Some(uri)) => {
+            let bytes = folder.read(document, uri, Use::Textures, None, &place)?;
+            let image = decode(document, buffers.budget(), &bytes, &place)?;
+            buffers.budget().release(bytes.len() as u64);
+            Ok(image)
+        }
         (None, None) => Err(document.invalid(place, "has neither a `bufferView` nor a `uri`; export the file again")),
     }
 }
 
-fn decode(document: &Document, bytes: &[u8], place: &str, texels: &mut u64) -> Result<Image> {
+/// The bits that a PNG stores for a texel, from its header, which always lies at the same place; at least 1.
+fn png_bits_per_texel(bytes: &[u8]) -> u64 {
+    const BIT_DEPTH: usize = 24;
+    const COLOR_TYPE: usize = 25;
+    let channels = match bytes.get(COLOR_TYPE) {
+        Some(2) => 3,
+        Some(4) => 2,
+        Some(6) => 4,
+        _ => 1,
+    };
+    bytes.get(BIT_DEPTH).map_or(1, |&depth| u64::from(depth) * channels).max(1)
+}
+
+fn decode(document: &Document, budget: &Budget, bytes: &[u8], place: &str) -> Result<Image> {
     let fail = |problem: &dyn Display| document.invalid(place, problem);
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
@@ -59,17 +85,25 @@ fn decode(document: &Document, bytes: &[u8], place: &str, texels: &mut u64) -> R
             "is {width} x {height} texels; each side must be between 1 and {MAX_SIDE}: scale the image"
         )));
     }
-    *texels += u64::from(width) * u64::from(height);
-    if *texels > MAX_TEXELS {
+    let (texels, length) = (u64::from(width) * u64::from(height), bytes.len() as u64);
+    let most = match format {
+        ImageFormat::Png => length.saturating_mul(MAX_DEFLATE_RATIO * 8) / png_bits_per_texel(bytes),
+        _ => length.saturating_mul(MAX_JPEG_TEXELS_PER_BYTE),
+    };
+    if texels > most.saturating_add(SLACK_TEXELS) {
         return Err(fail(&format_args!(
-            "with it the scene's images have {texels} texels; at most {MAX_TEXELS} are read: scale them down"
+            "claims {width} x {height} texels, but {length} bytes of {format:?} cannot hold more than {most}; save the image again"
         )));
     }
+    // What the decoder gives, and then what it is converted to, beside the texels that stay.
+    let transient = decoder.total_bytes().saturating_add(TEXEL_BYTES * texels);
+    budget.claim(Use::Textures, transient.saturating_add(TEXEL_BYTES * texels), place)?;
     let texels = match DynamicImage::from_decoder(decoder).map_err(damaged)? {
         // The usual layouts go straight into texels, since the largest images leave little memory for a step between.
         DynamicImage::ImageLuma8(image) => image.as_raw().iter().map(|&l| [l, l, l, u8::MAX]).collect(),
         DynamicImage::ImageRgb8(image) => image.as_raw().as_chunks::<3>().0.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect(),
         other => other.into_rgba8().as_raw().as_chunks::<4>().0.to_vec(),
     };
+    budget.release(transient);
     Ok(Image { width, height, texels })
 }
