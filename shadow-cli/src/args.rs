@@ -10,9 +10,12 @@ use clap::{
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use clap_complete::Shell;
-use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
+use shadow_scene::Choice;
 
-use crate::specs::{BackendList, BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
+use crate::specs::{
+    BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
+    map_size, seconds,
+};
 
 /// Examples for the program as a whole.
 const EXAMPLES: &str = "\
@@ -22,6 +25,7 @@ Examples:
   shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
   shadow compare house.glb                      do the CPU and the GPU renderer agree?
   shadow bench house.glb                        how long does each of them take?
+  shadow info house.glb                         what is in the file?
   shadow plan house.glb --json                  every matrix, texel size and bias
   shadow devices                                which graphics adapters there are
 
@@ -99,6 +103,16 @@ pub(crate) enum Command {
     /// read back from the adapter.
     #[command(after_long_help = BENCH_HELP)]
     Bench(BenchArgs),
+    /// Show what is in a scene
+    ///
+    /// Counts what the scene has and what is drawn of it, gives its bounds, lights, cameras, animations and extensions, and guesses in which
+    /// unit it was made.
+    ///
+    /// glTF's unit is the metre, and so shadows are computed in metres; many files are in centimetres or millimetres all the same. The
+    /// guess goes by the diagonal of the bounds: metres up to 100 m, metres or centimetres up to 1 km, centimetres up to 20 km,
+    /// millimetres beyond, kilometres below 1 cm. It is a guess: a town is larger than 1 km in metres too.
+    #[command(after_help = INFO_EXAMPLES)]
+    Info(InfoArgs),
     /// Show the plan that both renderers follow
     ///
     /// Shows how the picture would be made, without making it: the camera's matrix and, for every light and every view of it, the matrix,
@@ -119,7 +133,7 @@ pub(crate) enum Command {
 }
 
 /// The names of the commands.
-pub(crate) const COMMANDS: [&str; 7] = ["render", "compare", "bench", "plan", "devices", "completions", "man"];
+pub(crate) const COMMANDS: [&str; 8] = ["render", "compare", "bench", "info", "plan", "devices", "completions", "man"];
 
 /// Examples for `shadow render`.
 const RENDER_EXAMPLES: &str = "\
@@ -131,6 +145,7 @@ Examples:
   shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
   shadow render builtin:fence --filter hard --bias none --show shadow-map
   shadow render house.glb --show depth --output depth.exr
+  shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
   shadow render house.glb --json | jq .milliseconds";
 
 /// Examples for `shadow compare`.
@@ -173,10 +188,18 @@ Examples:
   shadow bench house.glb --backends cpu --threads 1
   shadow bench house.glb --json | jq .ratios.total";
 
+/// Examples for `shadow info`.
+const INFO_EXAMPLES: &str = "\
+Examples:
+  shadow info house.glb
+  shadow info fox.glb --animation Run --time 0.5
+  shadow info house.glb --json | jq '.materials, .units_guess'";
+
 /// Examples for `shadow plan`.
 const PLAN_EXAMPLES: &str = "\
 Examples:
   shadow plan house.glb --map-size 4096
+  shadow plan house.glb --json | jq -r .camera.spec      # to copy, vary and give to --camera
   shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
 
 /// Examples for `shadow completions`.
@@ -216,14 +239,46 @@ of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
 left out. The greys of distances are logarithmic for perspective views
 and linear for parallel rays.";
 
-/// What picture of which scene: the choices that all commands on pictures share.
+/// Which scene: the choices that all commands on scenes share.
 #[derive(Debug, ClapArgs)]
-pub(crate) struct PictureArgs {
+pub(crate) struct SceneArgs {
     /// The scene: a .gltf or .glb file, or builtin:NAME
     ///
     /// The built-in scenes are demo, box-on-plane, fence, tilted-plane and grazing; without a scene it is the demo.
     #[arg(value_name = "SCENE", value_parser = OsStringValueParser::new().map(SceneSource::from))]
-    pub(crate) scene: Option<SceneSource>,
+    pub(crate) source: Option<SceneSource>,
+
+    /// One of the scenes of a file that has several, by its name or number [default: the file's own]
+    ///
+    /// Numbers count from 0; `shadow info` lists the scenes. A scene whose name is a number goes by its number.
+    #[arg(long = "scene", value_name = "NAME|N", help_heading = "Scene")]
+    pub(crate) part: Option<Choice>,
+
+    /// The animation whose pose is drawn, by its name or number [default: the first]
+    ///
+    /// Numbers count from 0; `shadow info` lists the animations and how long they are.
+    #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
+    pub(crate) animation: Option<Choice>,
+
+    /// The time of the pose, in seconds from the beginning of the animation [default: 0]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true, help_heading = "Scene")]
+    pub(crate) time: Option<f64>,
+
+    /// The most memory that meshes, textures, shadow maps and frames may take together, such as 6GiB [default: three quarters]
+    ///
+    /// An amount with KiB, MiB, GiB or TiB, or a number of bytes. Left out, it is three quarters of the machine's memory, or of what a
+    /// control group (a container) allows; 16 GiB where the system does not tell, which is anywhere but on Linux. What would take
+    /// more is refused before it is begun, with what takes how much. While a file is read its limit is the same.
+    #[arg(long, value_name = "SIZE", help_heading = "Scene")]
+    pub(crate) memory_limit: Option<ByteSize>,
+}
+
+/// What picture of which scene: the choices that all commands on pictures share.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct PictureArgs {
+    /// Which scene.
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
 
     /// Width and height of the picture in pixels, each from 1 to 16384
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", help_heading = "Picture")]
@@ -258,7 +313,7 @@ pub(crate) struct PictureArgs {
     ///
     /// From -64 to 64; every step up halves the brightness. Without it the exposure is chosen by a fixed rule from the lights, the same
     /// on every backend.
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Picture")]
+    #[arg(long, value_name = "EV", value_parser = exposure_value, allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) exposure: Option<f32>,
 
     /// Width and height of each shadow map in texels, from 16 to 16384
@@ -266,7 +321,7 @@ pub(crate) struct PictureArgs {
         long,
         value_name = "TEXELS",
         default_value_t = 2048,
-        value_parser = clap::value_parser!(u32).range(i64::from(MIN_MAP_SIZE)..=i64::from(MAX_MAP_SIZE)),
+        value_parser = map_size,
         help_heading = "Shadows"
     )]
     pub(crate) map_size: u32,
@@ -282,7 +337,7 @@ pub(crate) struct PictureArgs {
     /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
     ///
     /// With `--bias none` it has no meaning and is refused.
-    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Shadows")]
+    #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
 }
 
@@ -402,6 +457,24 @@ pub(crate) struct BenchArgs {
     pub(crate) json: bool,
 }
 
+/// `shadow info`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct InfoArgs {
+    /// Which scene.
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `generator`, `triangles`, `vertices` and `instances` that are drawn, `meshes`, `primitives`,
+    /// `materials` (`opaque`, `mask`, `blend`), `textures`, `images`, `lights` (`name`, `kind`, `intensity`, `unit`), `cameras`, `scenes`, `drawn_scene`,
+    /// `animations` (`name`, `seconds`, `channels`), `drawn_animation`, `time`, `skins`, `bounds` (`min`, `max`, `size`, `diagonal`, in metres of the
+    /// file's world space), `units_guess` (`kilometres`, `metres`, `metres-or-centimetres`, `centimetres`, `millimetres`), `extensions_used` and
+    /// `extensions_ignored`. A light or camera that stands in for one that the scene lacks is not listed.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// `shadow plan`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct PlanArgs {
@@ -411,7 +484,8 @@ pub(crate) struct PlanArgs {
 
     /// Report as JSON on standard output
     ///
-    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` and `lights`. Each light has its `fit`, `split`,
+    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` (whose `spec` is what
+    /// --camera takes, null where there is no such description) and `lights`. Each light has its `fit`, `split`,
     /// `store`, `bias` and `filter`, and `views` with `clip_from_world` (a list of rows), `depth_range` and `texel_metres` in metres (the
     /// latter at 1 m from the light for a perspective view), and the bounds on `rounding` in texels and in depth.
     #[arg(long)]
@@ -500,7 +574,7 @@ mod tests {
     #[test]
     fn nothing_is_render_with_its_defaults() {
         let Command::Render(args) = parse("shadow").unwrap().into_command().unwrap() else { panic!("not render") };
-        assert_eq!(args.picture.scene, None);
+        assert_eq!(args.picture.scene.source, None);
         assert_eq!(args.output, PathBuf::from("shadow.png"));
         assert_eq!((args.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
@@ -527,9 +601,15 @@ mod tests {
     #[test]
     fn values_out_of_range_are_refused_with_the_range() {
         for (line, expected) in [
-            ("shadow render --map-size 8", "16..=16384"),
+            ("shadow render --map-size 8", "from 16 to 16384"),
             ("shadow render --threads 1025", "0..=1024"),
             ("shadow render --size 0x5", "1 to 16384"),
+            ("shadow render --size 20000x5", "20000 pixels are more than the limit of 16384"),
+            ("shadow render --bias-constant 1cm", "the bias is in metres, here 0.01"),
+            ("shadow render --exposure 12ev", "here 12"),
+            ("shadow render --time 250ms", "the time is in seconds, here 0.25"),
+            ("shadow render --camera eye=1,2,3;target=0,0,0;fov=50deg", "fov is in degrees, here 50"),
+            ("shadow render --memory-limit 6G", "6GiB"),
             ("shadow compare --backends cpu,cpu", "comparing a backend with itself proves nothing"),
             ("shadow bench --frames 0", "1..=10000"),
             ("shadow bench --backends cpu,cpu", "at most once"),

@@ -33,15 +33,6 @@ impl RenderedFrame {
 }
 
 impl Backend {
-    /// How many copies of a frame the backend holds: the GPU backend has one in the adapter's memory, which may be the
-    /// system's, and one that was read back.
-    pub(crate) fn copies(self) -> u64 {
-        match self {
-            Self::Cpu => 1,
-            Self::Gpu => 2,
-        }
-    }
-
     /// Renders a job; the CPU backend follows `rules` where WebGPU leaves a choice.
     pub(crate) fn render(
         self,

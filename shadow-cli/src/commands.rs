@@ -3,6 +3,7 @@
 mod render;
 mod compare;
 mod bench;
+mod info;
 mod plan;
 mod devices;
 mod completions;
@@ -28,6 +29,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Completions(args) => completions::run(&args),

@@ -7,6 +7,8 @@ use shadow_gpu::GpuError;
 use shadow_math::{CameraError, LightError};
 use shadow_scene::{FramePlanError, ImportError, LayerName, compare::CompareError};
 
+use crate::{memory::Limit, specs::bytes_text};
+
 /// Why the program cannot do what was asked for. Each message names the value, the limit and the way out.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -61,27 +63,52 @@ pub(crate) enum CliError {
     /// The plan.
     #[error(transparent)]
     Plan(#[from] FramePlanError),
-    /// The picture and its maps would take too much memory.
+    /// A choice among what is in a file, for a scene that came from none.
     #[error(
-        "{what} would take about {needed} GiB of memory, more than the limit of {limit} GiB; choose a smaller --size or --map-size, or fewer lights"
+        "{option} chooses among what is in a file, but `builtin:{name}` is built in; name a .gltf or .glb file, or leave {option} out"
+    )]
+    NotAFile {
+        /// The option.
+        option: &'static str,
+        /// The name of the built-in scene.
+        name: String,
+    },
+    /// Reading a file would take too much memory.
+    #[error("{error}; the limit is {limit}, and --memory-limit sets it")]
+    ImportMemory {
+        /// What the importer says.
+        error: ImportError,
+        /// The limit.
+        limit: Limit,
+    },
+    /// The scene, the maps and the frames would take too much memory.
+    #[error(
+        "{scene} would take about {} of memory, more than the limit of {limit}: {parts}; {way_out}, or allow more with --memory-limit",
+        bytes_text(*needed)
     )]
     TooMuchMemory {
-        /// What would take it.
-        what: String,
-        /// How much, in GiB.
+        /// What the scene is called.
+        scene: String,
+        /// How much it would take, in bytes.
         needed: u64,
-        /// The limit, in GiB.
-        limit: u64,
+        /// The limit.
+        limit: Limit,
+        /// What takes how much, the largest first.
+        parts: String,
+        /// What to do about the largest.
+        way_out: &'static str,
     },
     /// The system does not have the memory.
-    #[error(
-        "{what} would take about {megabytes} MiB of memory, which this system does not have; choose a smaller --size or --map-size, or fewer lights"
-    )]
+    #[error("{scene} would take about {} of memory, which this system does not give: {parts}; {way_out}", bytes_text(*needed))]
     OutOfMemory {
-        /// What would take it.
-        what: String,
-        /// How much, in MiB.
-        megabytes: u64,
+        /// What the scene is called.
+        scene: String,
+        /// How much it would take, in bytes.
+        needed: u64,
+        /// What takes how much, the largest first.
+        parts: String,
+        /// What to do about the largest.
+        way_out: &'static str,
     },
     /// The CPU renderer.
     #[error(transparent)]

@@ -16,6 +16,7 @@ mod exr;
 mod output;
 mod interrupt;
 mod console;
+mod machine;
 mod memory;
 mod resident;
 mod statistics;

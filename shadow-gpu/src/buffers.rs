@@ -4,7 +4,8 @@ use shadow_scene::{Scene, Surfaces};
 
 /// Creates a buffer with contents; never empty, since WebGPU cannot bind nothing.
 pub(crate) fn buffer_with(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
-    const SMALLEST: usize = 16;
+    /// One element of the largest kind of array that may be empty: a material, of 48 bytes as the shaders count.
+    const SMALLEST: usize = 64;
     let size = contents.len().max(SMALLEST).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT as usize);
     let buffer =
         device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: size as u64, usage, mapped_at_creation: true });

@@ -10,7 +10,7 @@ use crate::{
     backend::{OnceTimes, OpenBackend, check_machine, milliseconds_since},
     console::{Console, print, print_json, table},
     error::CliError,
-    memory,
+    memory::{self, Work},
     resident::PeakWatch,
     resolve::Job,
     statistics::Spread,
@@ -149,7 +149,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     let backends = args.backends.0.as_slice();
     check_machine(&args.machine, backends, &console)?;
     let job = Job::resolve(&args.picture, &console)?;
-    memory::check(&job.plan, backends.len() as u64)?;
+    memory::check(&job, Work::Bench(backends))?;
 
     // One after the other, so that each one's memory can be told from the other's.
     let mut contenders = Vec::with_capacity(backends.len());

@@ -10,7 +10,7 @@ use crate::{
     backend::{RenderedFrame, check_machine},
     console::{Console, print, print_json},
     error::CliError,
-    memory,
+    memory::{self, Work},
     output::{Format, check_output_path, write_layer, write_picture},
     picture::pictures,
     resolve::{Job, request_for},
@@ -58,7 +58,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     check_machine(&args.machine, &[args.backend], &console)?;
     let job = Job::resolve(&args.picture, &console)?;
     let layer = job.layer(&args.show)?;
-    memory::check(&job.plan, args.backend.copies())?;
+    memory::check(&job, Work::Render(args.backend, layer, format))?;
 
     let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
