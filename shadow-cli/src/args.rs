@@ -264,7 +264,7 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true, help_heading = "Scene")]
     pub(crate) time: Option<f64>,
 
-    /// The most memory that meshes, textures, shadow maps and frames may take together, such as 6GiB [default: three quarters]
+    /// The most memory that meshes, textures, shadow maps and frames may take together, such as 6GiB [default: 3/4 of the machine's]
     ///
     /// An amount with KiB, MiB, GiB or TiB, or a number of bytes. Left out, it is three quarters of the machine's memory, or of what a
     /// control group (a container) allows; 16 GiB where the system does not tell, which is anywhere but on Linux. What would take
@@ -470,7 +470,8 @@ pub(crate) struct InfoArgs {
     /// `materials` (`opaque`, `mask`, `blend`), `textures`, `images`, `lights` (`name`, `kind`, `intensity`, `unit`), `cameras`, `scenes`, `drawn_scene`,
     /// `animations` (`name`, `seconds`, `channels`), `drawn_animation`, `time`, `skins`, `bounds` (`min`, `max`, `size`, `diagonal`, in metres of the
     /// file's world space), `units_guess` (`kilometres`, `metres`, `metres-or-centimetres`, `centimetres`, `millimetres`), `extensions_used` and
-    /// `extensions_ignored`. A light or camera that stands in for one that the scene lacks is not listed.
+    /// `extensions_ignored`. A light or camera that stands in for one that the scene lacks is not listed;
+    /// `bounds` and `units_guess` are null if nothing is drawn.
     #[arg(long)]
     pub(crate) json: bool,
 }

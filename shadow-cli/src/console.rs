@@ -105,6 +105,11 @@ pub(crate) fn to_json(report: &impl Serialize) -> io::Result<String> {
     Ok(text)
 }
 
+/// A number of things: the plural is the singular with an s.
+pub(crate) fn count(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
+}
+
 /// A table: columns as wide as their widest cell, flush left where `is_left` says so of the column's index and right elsewhere.
 pub(crate) fn table(rows: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);

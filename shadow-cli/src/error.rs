@@ -74,13 +74,8 @@ pub(crate) enum CliError {
         name: String,
     },
     /// Reading a file would take too much memory.
-    #[error("{error}; the limit is {limit}, and --memory-limit sets it")]
-    ImportMemory {
-        /// What the importer says.
-        error: ImportError,
-        /// The limit.
-        limit: Limit,
-    },
+    #[error("{0}; the limit is set by --memory-limit, such as --memory-limit 6GiB")]
+    ImportMemory(ImportError),
     /// The scene, the maps and the frames would take too much memory.
     #[error(
         "{scene} would take about {} of memory, more than the limit of {limit}: {parts}; {way_out}, or allow more with --memory-limit",

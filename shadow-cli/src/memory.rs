@@ -8,6 +8,7 @@ use shadow_scene::{LayerName, Request};
 
 use crate::{
     args::Backend,
+    console::count,
     error::CliError,
     machine,
     output::Format,
@@ -241,17 +242,17 @@ fn parts_text(job: &Job, demand: Demand) -> String {
     let plan = &job.plan;
     let size = plan.map_size;
     let mut parts = [
-        (demand.meshes, format!("meshes {} ({} triangles)", bytes_text(demand.meshes), job.scene.triangles().len())),
-        (demand.textures, format!("textures {} ({})", bytes_text(demand.textures), job.scene.images().len())),
+        (demand.meshes, format!("meshes {} ({})", bytes_text(demand.meshes), count(job.scene.triangles().len(), "triangle"))),
+        (demand.textures, format!("textures {} ({})", bytes_text(demand.textures), count(job.scene.images().len(), "image"))),
         (demand.maps, format!("shadow maps {} ({} of {size} x {size} texels)", bytes_text(demand.maps), plan.views.len())),
         (
             demand.frame,
             format!(
-                "frame {} ({} x {} pixels, {} lights)",
+                "frame {} ({} x {} pixels, {})",
                 bytes_text(demand.frame),
                 plan.camera.width,
                 plan.camera.height,
-                plan.lights.len()
+                count(plan.lights.len(), "light")
             ),
         ),
     ];

@@ -141,7 +141,7 @@ pub(crate) fn load(args: &SceneArgs, console: &Console) -> Result<(String, Scene
                 memory_limit: limit.bytes,
             };
             let scene = import_with(path, &options).map_err(|error| match error {
-                error @ ImportError::Memory { .. } => CliError::ImportMemory { error, limit },
+                error @ ImportError::Memory { .. } => CliError::ImportMemory(error),
                 error => error.into(),
             })?;
             return Ok((path.display().to_string(), scene, limit));

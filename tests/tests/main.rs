@@ -11,3 +11,4 @@ mod limits;
 mod agreement;
 mod program;
 mod program_files;
+mod program_scenes;

@@ -225,6 +225,9 @@ fn wrong_requests_are_refused_with_a_sentence() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["render", "missing.glb"], &["missing.glb"]),
         (&["render", "--size", "0x10"], &["0x10", "16384"]),
+        (&["render", "--size", "20000x10"], &["20000", "16384", "smaller"]),
+        (&["render", "--bias-constant", "1cm"], &["1cm", "metres", "0.01"]),
+        (&["render", "--camera", "eye=1,1,1;target=0,0,0;fov=90deg"], &["90deg", "degrees"]),
         (&["render", "--map-size", "1"], &["16"]),
         (&["render", "--map-size", "100000"], &["16384"]),
         (&["render", "--bias", "none", "--bias-constant", "1"], &["--bias-constant"]),

@@ -8,7 +8,7 @@ use super::Verdict;
 use crate::{
     args::BenchArgs,
     backend::{OnceTimes, OpenBackend, check_machine, milliseconds_since},
-    console::{Console, print, print_json, table},
+    console::{Console, count, print, print_json, table},
     error::CliError,
     memory::{self, Work},
     resident::PeakWatch,
@@ -218,8 +218,7 @@ impl BackendReport {
     fn title(&self) -> String {
         match (&self.adapter, self.threads) {
             (Some(adapter), _) => format!("{} ({adapter})", self.backend),
-            (None, Some(1)) => format!("{} (1 thread)", self.backend),
-            (None, Some(threads)) => format!("{} ({threads} threads)", self.backend),
+            (None, Some(threads)) => format!("{} ({})", self.backend, count(threads, "thread")),
             (None, None) => self.backend.into(),
         }
     }
@@ -228,9 +227,9 @@ impl BackendReport {
 /// The report for people.
 fn text(report: &Report<'_>) -> String {
     let Report { scene, triangles, width, height, shadow_maps, map_size, frames, .. } = report;
-    let maps = if *shadow_maps == 1 { "shadow map" } else { "shadow maps" };
+    let maps = count(*shadow_maps, "shadow map");
     let mut text = format!(
-        "{scene}: {triangles} triangles, {width} x {height} pixels, {shadow_maps} {maps} of {map_size} x {map_size} texels; \
+        "{scene}: {triangles} triangles, {width} x {height} pixels, {maps} of {map_size} x {map_size} texels; \
          {frames} frames of each backend, in turn\n\n"
     );
     let mut rows = vec![["backend", "stage", "median", "quartiles", "fastest", "slowest"].map(String::from).to_vec()];

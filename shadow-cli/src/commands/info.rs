@@ -8,7 +8,7 @@ use shadow_scene::{Alpha, Scene, SourceFacts};
 use super::Verdict;
 use crate::{
     args::InfoArgs,
-    console::{Console, print, print_json, table},
+    console::{Console, count, print, print_json, table},
     error::CliError,
     resolve::{load, tell_notes},
 };
@@ -39,8 +39,9 @@ struct Report<'a> {
     drawn_animation: Option<usize>,
     time: f64,
     skins: usize,
-    bounds: Bounds,
-    units_guess: UnitsGuess,
+    /// Null if nothing is drawn.
+    bounds: Option<Bounds>,
+    units_guess: Option<UnitsGuess>,
     extensions_used: &'a [String],
     extensions_ignored: &'a [String],
 }
@@ -152,7 +153,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Verdict, CliError> {
 impl<'a> Report<'a> {
     fn of(name: &'a str, scene: &'a Scene, notes: &'a [String]) -> Self {
         let source: &SourceFacts = scene.source();
-        let bounds = Bounds::of(scene);
+        let bounds = (!scene.triangles().is_empty()).then(|| Bounds::of(scene));
         // What stands in for what the scene lacks is not the scene's.
         let lights = if scene.has_default_light() { &[] } else { scene.lights() };
         let cameras = if scene.has_default_camera() { &[] } else { scene.cameras() };
@@ -182,7 +183,7 @@ impl<'a> Report<'a> {
             drawn_animation: source.animation,
             time: source.time,
             skins: source.skins,
-            units_guess: UnitsGuess::of(bounds.diagonal),
+            units_guess: bounds.as_ref().map(|bounds| UnitsGuess::of(bounds.diagonal)),
             bounds,
             extensions_used: &source.extensions_used,
             extensions_ignored: &source.extensions_ignored,
@@ -223,40 +224,38 @@ impl<'a> Camera<'a> {
 
 /// The report for people.
 fn text(report: &Report<'_>) -> String {
-    let Bounds { min, max, size, diagonal } = &report.bounds;
-    let point = |point: &[f64; 3]| point.map(|coordinate| format!("{coordinate:.3}")).join(", ");
     let Materials { opaque, mask, blend } = report.materials;
     let mut rows: Vec<(&str, String)> = vec![
         ("scene", report.scene.into()),
         ("made by", report.generator.unwrap_or_default().into()),
-        ("geometry", format!("{} triangles, {} vertices, {} instances", report.triangles, report.vertices, report.instances)),
-        ("meshes", format!("{} of {} primitives, {} skins", report.meshes, report.primitives, report.skins)),
+        ("geometry", geometry_text(report)),
+        ("meshes", format!("{} of {}, {}", report.meshes, count(report.primitives, "primitive"), count(report.skins, "skin"))),
         ("materials", format!("{opaque} opaque, {mask} masked, {blend} blended")),
-        ("textures", format!("{} of {} images", report.textures, report.images.len())),
-        ("bounds", format!("from {} to {} m: {} m, diagonal {diagonal:.3} m", point(min), point(max), size_text(size))),
-        ("units", format!("{} (a guess by the diagonal)", report.units_guess.sentence())),
+        ("textures", format!("{} of {}", report.textures, count(report.images.len(), "image"))),
+        ("bounds", report.bounds.as_ref().map(bounds_text).unwrap_or_default()),
+        ("units", report.units_guess.map(|guess| format!("{} (a guess by the diagonal)", guess.sentence())).unwrap_or_default()),
     ];
     let image = |image: &Image<'_>| match image.size {
-        Some([width, height]) => format!("`{}`, {width} x {height} texels", image.name),
-        None => format!("`{}`, not used", image.name),
+        Some([width, height]) => format!("{}, {width} x {height} texels", quoted(image.name)),
+        None => format!("{}, not used", quoted(image.name)),
     };
     let drawn = |is_drawn: bool| if is_drawn { ", drawn" } else { "" };
     rows.extend(numbered("image", report.images.iter().map(image)));
     let lights = report.lights.iter();
     rows.extend(numbered(
         "light",
-        lights.map(|light| format!("`{}`, {}, {} {}", light.name, light.kind, light.intensity, light.unit)),
+        lights.map(|light| format!("{}, {}, {} {}", quoted(light.name), light.kind, light.intensity, light.unit)),
     ));
     let camera = |camera: &Camera<'_>| match camera.fov_degrees {
-        Some(fov) => format!("`{}`, {}, {fov:.1} degrees", camera.name, camera.projection),
-        None => format!("`{}`, {}", camera.name, camera.projection),
+        Some(fov) => format!("{}, {}, {fov:.1} degrees", quoted(camera.name), camera.projection),
+        None => format!("{}, {}", quoted(camera.name), camera.projection),
     };
     rows.extend(numbered("camera", report.cameras.iter().map(camera)));
-    let scene = |(index, name): (usize, &String)| format!("`{name}`{}", drawn(report.drawn_scene == Some(index)));
+    let scene = |(index, name): (usize, &String)| format!("{}{}", quoted(name), drawn(report.drawn_scene == Some(index)));
     rows.extend(numbered("scene of the file", report.scenes.iter().enumerate().map(scene)));
     let animation = |(index, animation): (usize, &Animation<'_>)| {
         let drawn = if report.drawn_animation == Some(index) { format!(", drawn at {} s", report.time) } else { String::new() };
-        format!("`{}`, {:.3} s, {} channels{drawn}", animation.name, animation.seconds, animation.channels)
+        format!("{}, {:.3} s, {}{drawn}", quoted(animation.name), animation.seconds, count(animation.channels, "channel"))
     };
     rows.extend(numbered("animation", report.animations.iter().enumerate().map(animation)));
     rows.push(("extensions", report.extensions_used.join(", ")));
@@ -265,8 +264,25 @@ fn text(report: &Report<'_>) -> String {
     table(&rows.collect::<Vec<_>>(), |_| true)
 }
 
-fn size_text(size: &[f64; 3]) -> String {
-    size.map(|side| format!("{side:.3}")).join(" x ")
+fn geometry_text(report: &Report<'_>) -> String {
+    let Report { triangles, vertices, instances, .. } = report;
+    format!(
+        "{}, {vertices} {}, {}",
+        count(*triangles, "triangle"),
+        if *vertices == 1 { "vertex" } else { "vertices" },
+        count(*instances, "instance")
+    )
+}
+
+fn bounds_text(bounds: &Bounds) -> String {
+    let Bounds { min, max, size, diagonal } = bounds;
+    let three = |numbers: &[f64; 3], between: &str| numbers.map(|number| format!("{number:.3}")).join(between);
+    format!("from {} to {} m: {} m, diagonal {diagonal:.3} m", three(min, ", "), three(max, ", "), three(size, " x "))
+}
+
+/// A name in quotes, or that there is none.
+fn quoted(name: &str) -> String {
+    if name.is_empty() { "without a name".into() } else { format!("`{name}`") }
 }
 
 /// A row for each thing, with its number; one that says so where there is none.

@@ -8,7 +8,7 @@ use super::Verdict;
 use crate::{
     args::RenderArgs,
     backend::{RenderedFrame, check_machine},
-    console::{Console, print, print_json},
+    console::{Console, count, print, print_json},
     error::CliError,
     memory::{self, Work},
     output::{Format, check_output_path, write_layer, write_picture},
@@ -93,10 +93,7 @@ fn sentences(report: &Report<'_>, job: &Job, rendered: &RenderedFrame, layer: &s
     let Milliseconds { prepare, shadow_maps, camera, shading, total } = milliseconds;
     let machine =
         rendered.adapter.as_ref().map_or_else(|| "the CPU".into(), |adapter| format!("the GPU backend ({})", adapter.name));
-    let lights = match job.scene.lights().len() {
-        1 => "1 light".into(),
-        count => format!("{count} lights"),
-    };
+    let lights = count(job.scene.lights().len(), "light");
     format!(
         "wrote {output}: the {layer} of {scene} ({triangles} triangles, {lights}), {width} x {height} pixels, by {machine}\n\
          {total:.1} ms: shadow maps {shadow_maps:.1} ms, camera {camera:.1} ms, shading {shading:.1} ms (and once {prepare:.1} ms to prepare the scene)\n"
