@@ -286,7 +286,7 @@ fn quoted(name: &str) -> String {
 }
 
 /// A row for each thing, with its number; one that says so where there is none.
-fn numbered<'a>(what: &'a str, things: impl Iterator<Item = String>) -> Vec<(&'a str, String)> {
+fn numbered(what: &str, things: impl Iterator<Item = String>) -> Vec<(&str, String)> {
     let rows: Vec<_> = things.enumerate().map(|(number, thing)| (what, format!("{number} {thing}"))).collect();
     if rows.is_empty() { vec![(what, String::new())] } else { rows }
 }

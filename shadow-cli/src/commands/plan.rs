@@ -217,12 +217,9 @@ fn text(report: &Report<'_>) -> String {
         }
     }
     text.push_str(&table(&rows, |column| !(3..=5).contains(&column)));
-    match spec {
-        Some(spec) if *is_level => text.push_str(&format!("to vary the camera, begin with --camera '{spec}'\n")),
-        Some(spec) => {
-            text.push_str(&format!("to vary the camera, begin with --camera '{spec}' (which is level, as this one is not)\n"))
-        }
-        None => {}
+    if let Some(spec) = spec {
+        let roll = if *is_level { "" } else { " (which is level, as this one is not)" };
+        text.push_str(&format!("to vary the camera, begin with --camera '{spec}'{roll}\n"));
     }
     text.push_str("--json has the matrices and the bounds on rounding\n");
     text
