@@ -8,5 +8,8 @@ mod comparator;
 mod analytic;
 mod slope_bias;
 mod limits;
+mod import;
+mod poses;
+mod malformed;
 mod agreement;
 mod program;
