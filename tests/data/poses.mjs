@@ -59,6 +59,14 @@ function load(file) {
   return new Promise((resolve, reject) => new GLTFLoader().parse(JSON.stringify(json), '', resolve, reject));
 }
 
+// glTF demands rotations of unit length. SimpleSkin has them to 3 digits only, and three.js takes them as they are.
+function normalize(track) {
+  if (!track.name.endsWith('.quaternion') || track.values.length !== 4 * track.times.length) return;
+  for (let i = 0; i < track.values.length; i += 4) {
+    new THREE.Quaternion().fromArray(track.values, i).normalize().toArray(track.values, i);
+  }
+}
+
 const round = (number) => Number(number.toPrecision(9));
 
 function pose(gltf, animation, time) {
@@ -97,6 +105,7 @@ function pose(gltf, animation, time) {
 const results = [];
 for (const [file, animation, times] of CASES) {
   const gltf = await load(path.join(process.argv[2], file));
+  for (const clip of gltf.animations) clip.tracks.forEach(normalize);
   for (const time of times) results.push({ file, ...pose(gltf, animation, time) });
 }
 console.log('[\n' + results.map((result) => JSON.stringify(result)).join(',\n') + '\n]');

