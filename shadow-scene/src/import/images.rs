@@ -20,14 +20,15 @@ pub(super) const MAX_SIDE: u32 = 16_384;
 /// The most bytes that decoding one image may take: the largest image with four 16-bit channels.
 const MAX_DECODED_BYTES: u64 = MAX_SIDE as u64 * MAX_SIDE as u64 * 8;
 
-/// Deflate, which PNG uses, never packs more bytes than this into one.
-const MAX_DEFLATE_RATIO: u64 = 1032;
+/// The most bytes of texels that a byte of an image file may stand for, in an image of more than [`SMALL_IMAGE_BYTES`].
+///
+/// Deflate, which PNG uses, packs at most 1032 bytes into one, and a grey texel of one byte becomes four. JPEG stays below
+/// half of that: it spends at least a bit on each block of 8 by 8 texels. Only PNG of less than 8 bits a texel can hold
+/// more, and a large one that does is a way to make a few kilobytes fill all memory.
+const MAX_EXPANSION: u64 = 4 * 1032;
 
-/// JPEG spends at least one bit on each block of 8 by 8 texels.
-const MAX_JPEG_TEXELS_PER_BYTE: u64 = 8 * 8 * 8;
-
-/// Images of fewer texels than this are not worth the doubt.
-const SLACK_TEXELS: u64 = 1 << 16;
+/// Texels up to this many bytes may come from any number of bytes: those of 4096 by 4096.
+const SMALL_IMAGE_BYTES: u64 = 4096 * 4096 * TEXEL_BYTES;
 
 /// Bytes of a texel of the scene.
 const TEXEL_BYTES: u64 = 4;
@@ -47,19 +48,6 @@ pub(super) fn read(document: &Document, buffers: &Buffers<'_>, folder: Folder<'_
         }
         (None, None) => Err(document.invalid(place, "has neither a `bufferView` nor a `uri`; export the file again")),
     }
-}
-
-/// The bits that a PNG stores for a texel, from its header, which always lies at the same place; at least 1.
-fn png_bits_per_texel(bytes: &[u8]) -> u64 {
-    const BIT_DEPTH: usize = 24;
-    const COLOR_TYPE: usize = 25;
-    let channels = match bytes.get(COLOR_TYPE) {
-        Some(2) => 3,
-        Some(4) => 2,
-        Some(6) => 4,
-        _ => 1,
-    };
-    bytes.get(BIT_DEPTH).map_or(1, |&depth| u64::from(depth) * channels).max(1)
 }
 
 fn decode(document: &Document, budget: &Budget, bytes: &[u8], place: &str) -> Result<Image> {
@@ -85,19 +73,17 @@ fn decode(document: &Document, budget: &Budget, bytes: &[u8], place: &str) -> Re
             "is {width} x {height} texels; each side must be between 1 and {MAX_SIDE}: scale the image"
         )));
     }
-    let (texels, length) = (u64::from(width) * u64::from(height), bytes.len() as u64);
-    let most = match format {
-        ImageFormat::Png => length.saturating_mul(MAX_DEFLATE_RATIO * 8) / png_bits_per_texel(bytes),
-        _ => length.saturating_mul(MAX_JPEG_TEXELS_PER_BYTE),
-    };
-    if texels > most.saturating_add(SLACK_TEXELS) {
+    let texel_bytes = TEXEL_BYTES * u64::from(width) * u64::from(height);
+    let most = MAX_EXPANSION.saturating_mul(bytes.len() as u64).max(SMALL_IMAGE_BYTES);
+    if texel_bytes > most {
         return Err(fail(&format_args!(
-            "claims {width} x {height} texels, but {length} bytes of {format:?} cannot hold more than {most}; save the image again"
+            "claims {width} x {height} texels, {texel_bytes} bytes, but has {} bytes, from which at most {most} are made: scale the image down",
+            bytes.len()
         )));
     }
     // What the decoder gives, and then what it is converted to, beside the texels that stay.
-    let transient = decoder.total_bytes().saturating_add(TEXEL_BYTES * texels);
-    budget.claim(Use::Textures, transient.saturating_add(TEXEL_BYTES * texels), place)?;
+    let transient = decoder.total_bytes().saturating_add(texel_bytes);
+    budget.claim(Use::Textures, transient.saturating_add(texel_bytes), place)?;
     let texels = match DynamicImage::from_decoder(decoder).map_err(damaged)? {
         // The usual layouts go straight into texels, since the largest images leave little memory for a step between.
         DynamicImage::ImageLuma8(image) => image.as_raw().iter().map(|&l| [l, l, l, u8::MAX]).collect(),

@@ -1,6 +1,9 @@
 //! Tests of the import as a whole: small files in, meaning out.
 
 mod refusals;
+mod animation;
+mod limits;
+mod extensions;
 
 use std::path::{Path, PathBuf};
 
