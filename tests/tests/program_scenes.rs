@@ -153,17 +153,20 @@ fn the_plan_writes_its_camera() {
             rows.iter().flat_map(|row| row.as_array().cloned().unwrap_or_default()).filter_map(|n| n.as_f64()).collect();
         (numbers, report["camera"]["spec"].as_str().expect("a perspective camera has a description").to_string())
     };
-    let (scene, spec) = matrix(&[]);
-    let (written, again) = matrix(&["--camera", &spec]);
-    assert_eq!((scene.len(), written.len()), (16, 16));
-    assert_eq!(spec, again);
-    // The row of depth depends on the near plane, which a description leaves to the program.
-    for row in [0, 1, 3] {
-        for column in 0..4 {
-            let (a, b) = (scene[4 * row + column], written[4 * row + column]);
-            assert!((a - b).abs() < 1e-4, "row {row}, column {column}: {a} and {b}");
+    for begin in [&[][..], &["--camera", "eye=3,2,4;target=0.5,0.2,0;fov=33.25"]] {
+        let (scene, spec) = matrix(begin);
+        let (written, again) = matrix(&["--camera", &spec]);
+        assert_eq!((scene.len(), written.len()), (16, 16));
+        assert_eq!(spec, again);
+        // The row of depth depends on the near plane, which a description leaves to the program.
+        for row in [0, 1, 3] {
+            for column in 0..4 {
+                let (a, b) = (scene[4 * row + column], written[4 * row + column]);
+                assert!((a - b).abs() < 1e-4, "row {row}, column {column}: {a} and {b}");
+            }
         }
     }
+    let (_, spec) = matrix(&[]);
     let text = folder.run(&["plan", "two.gltf"]);
     assert!(String::from_utf8_lossy(&text.stdout).contains(&format!("--camera '{spec}'")));
 }
