@@ -221,6 +221,8 @@ struct Posed<'a> {
 impl<'a> Posed<'a> {
     fn read(file: &str, bytes: &'a [u8], folder: Folder<'a>, options: &ImportOptions) -> Result<Self> {
         let container = container::split(file, bytes)?;
+        // Texts, such as data URIs, are copied into the document as it was written and into the typed one.
+        folder.budget.claim(Use::Buffers, 2 * container.json.len() as u64, "")?;
         let document = Document::parse(file, container.json)?;
         let buffers = Buffers::load(&document, folder, container.bin)?;
         let scene = document.scene(options.scene.as_ref())?;

@@ -3,8 +3,11 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, IVec3, Vec3};
+use serde_json::Value;
 use shadow_math::ShadowSettings;
-use shadow_scene::{FramePlan, LayerName, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, import};
+use shadow_scene::{
+    FramePlan, ImportOptions, LayerName, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, import, import::import_slice_with,
+};
 use shadow_tests::renderers::{self, scenes};
 
 fn corners(scene: &Scene, triangle: usize) -> [Vec3; 3] {
@@ -71,6 +74,36 @@ fn compressed_files_are_what_their_twins_are() {
         let color = |scene: &Scene| scene.materials().first().map(|material| material.base_color);
         assert_eq!(color(&a), color(&b), "{compressed}");
     }
+}
+
+/// No damage to a Draco stream does more than end in an error, or in another box.
+#[test]
+fn damaged_draco_streams_do_no_harm() {
+    let Some(folder) = scenes("damaged_draco_streams_do_no_harm") else { return };
+    let folder = folder.join("features/Box");
+    let text = std::fs::read_to_string(folder.join("BoxDraco.gltf")).expect("the box can be read");
+    let stream = std::fs::read(folder.join("Box.bin")).expect("its stream can be read");
+    let import = |stream: &[u8]| {
+        let mut json: Value = serde_json::from_str(&text).expect("the box is JSON");
+        let encoded: String = stream.iter().map(|byte| format!("%{byte:02x}")).collect();
+        json["buffers"][0]["uri"] = format!("data:,{encoded}").into();
+        let length = json["bufferViews"][0]["byteLength"].as_u64().expect("a length").min(stream.len() as u64);
+        json["buffers"][0]["byteLength"] = stream.len().into();
+        json["bufferViews"][0]["byteLength"] = length.into();
+        let options = ImportOptions { memory_limit: 1 << 26, ..ImportOptions::default() };
+        import_slice_with("box", json.to_string().as_bytes(), &options)
+    };
+    assert_eq!(import(&stream).expect("the box itself is sound").triangles().len(), 12);
+    let mut refused = 0;
+    for i in 0..stream.len() {
+        for damage in [0x01, 0x10, 0x80, 0xff] {
+            let mut damaged = stream.clone();
+            damaged[i] ^= damage;
+            refused += usize::from(import(&damaged).is_err());
+        }
+        refused += usize::from(i > 0 && import(&stream[..i]).is_err());
+    }
+    assert!(refused > stream.len(), "only {refused} of the damaged streams are refused");
 }
 
 /// A scene of points or lines has no triangles, and is a picture of the background on both renderers.

@@ -113,9 +113,9 @@ fn the_limit_names_what_is_too_large() {
     let translations = file.float_accessor("VEC3", &translations);
     file.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translations}}});
     file.scene();
-    // One after the other: buffers first, then 3001 vertices and more, then 512 by 512 texels.
+    // One after the other: the JSON first, then 3001 vertices and more, then 512 by 512 texels.
     let refusal = |limit: u64| with_limit(&file, limit).unwrap_err().to_string();
-    let bytes = file.bytes().len() as u64;
+    let bytes = 2 * file.json.to_string().len() as u64;
     let meshes = refusal(bytes + 200_000);
     assert!(meshes.contains("meshes[0].primitives[0]: with these meshes the import takes 1 MiB"), "{meshes}");
     let textures = refusal(bytes + 1_000_000);
@@ -127,7 +127,8 @@ fn the_limit_names_what_is_too_large() {
     let content = format!("data:;base64,{}", "A".repeat(4000));
     text.json["buffers"] = json!([{"byteLength": 36, "uri": content}]);
     let text = text.json.to_string();
-    let options = ImportOptions { memory_limit: 1000, ..ImportOptions::default() };
+    // Room for the JSON, but not for the 4000 characters of the buffer once more.
+    let options = ImportOptions { memory_limit: 2 * text.len() as u64 + 1000, ..ImportOptions::default() };
     let buffers = import_slice_with("test.gltf", text.as_bytes(), &options).unwrap_err().to_string();
     assert!(buffers.contains("buffers[0]: with these buffers"), "{buffers}");
 }
