@@ -6,12 +6,16 @@ use std::path::PathBuf;
 
 use clap::{
     Args as ClapArgs, Parser, Subcommand, ValueEnum,
-    builder::{OsStringValueParser, TypedValueParser},
+    builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
-use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
+use clap_complete::Shell;
+use shadow_scene::Choice;
 
-use crate::specs::{BackendPair, CameraChoice, LightSpec, PictureSize, SceneSource, Show};
+use crate::specs::{
+    BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
+    map_size, seconds,
+};
 
 /// Examples for the program as a whole.
 const EXAMPLES: &str = "\
@@ -20,11 +24,14 @@ Examples:
   shadow render house.glb --size 1920x1080      draw a scene with its own camera and lights
   shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
   shadow compare house.glb                      do the CPU and the GPU renderer agree?
+  shadow bench house.glb                        how long does each of them take?
+  shadow info house.glb                         what is in the file?
   shadow plan house.glb --json                  every matrix, texel size and bias
   shadow devices                                which graphics adapters there are
 
 `shadow help COMMAND` explains a command's options.
-Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong.";
+Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong,
+130 interrupted (Ctrl-C, or told to end); no half-written file stays behind, whatever the code.";
 
 /// Checkable shadow mapping: the same shadows from two independent renderers
 ///
@@ -72,9 +79,10 @@ struct DefaultArgs {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw one picture of a scene as a PNG file
+    /// Draw one picture of a scene, or its numbers
     ///
-    /// Draws the scene, or one of the layers that the picture is made of, and writes a PNG file.
+    /// Draws the scene, or one of the layers that the picture is made of, and writes it: as a PNG file to look at, or as an OpenEXR file
+    /// with the exact numbers.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
     /// Check that two renderers agree, layer by layer
@@ -89,6 +97,22 @@ pub(crate) enum Command {
     /// The exit code is 0 if the backends agree and 1 if they do not.
     #[command(after_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Time the renderers on the same frame
+    ///
+    /// Draws the same frame again and again with each backend and says how long each stage takes. Nothing is written, and nothing is
+    /// read back from the adapter.
+    #[command(after_long_help = BENCH_HELP)]
+    Bench(BenchArgs),
+    /// Show what is in a scene
+    ///
+    /// Counts what the scene has and what is drawn of it, gives its bounds, lights, cameras, animations and extensions, and guesses in which
+    /// unit it was made.
+    ///
+    /// glTF's unit is the metre, and so shadows are computed in metres; many files are in centimetres or millimetres all the same. The
+    /// guess goes by the diagonal of the bounds: metres up to 100 m, metres or centimetres up to 1 km, centimetres up to 20 km,
+    /// millimetres beyond, kilometres below 1 cm. It is a guess: a town is larger than 1 km in metres too.
+    #[command(after_help = INFO_EXAMPLES)]
+    Info(InfoArgs),
     /// Show the plan that both renderers follow
     ///
     /// Shows how the picture would be made, without making it: the camera's matrix and, for every light and every view of it, the matrix,
@@ -98,7 +122,18 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     /// List the graphics adapters that the GPU backend can use
     Devices(DevicesArgs),
+    /// Print what a shell needs to complete commands and options
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions(CompletionsArgs),
+    /// Print a manual page
+    ///
+    /// Prints the manual page of the program, or of one of its commands, in the form that man(1) reads.
+    #[command(after_help = MAN_EXAMPLES)]
+    Man(ManArgs),
 }
+
+/// The names of the commands.
+pub(crate) const COMMANDS: [&str; 8] = ["render", "compare", "bench", "info", "plan", "devices", "completions", "man"];
 
 /// Examples for `shadow render`.
 const RENDER_EXAMPLES: &str = "\
@@ -109,6 +144,8 @@ Examples:
   shadow render house.glb --light 'directional:dir=-1,-2,-1;lux=20000'
   shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
   shadow render builtin:fence --filter hard --bias none --show shadow-map
+  shadow render house.glb --show depth --output depth.exr
+  shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
   shadow render house.glb --json | jq .milliseconds";
 
 /// Examples for `shadow compare`.
@@ -119,11 +156,66 @@ Examples:
   shadow compare house.glb --light 'point:pos=0,2,0;cd=500' --output differences
   shadow compare house.glb --json | jq '.layers[] | select(.within_contract | not)'";
 
+/// What to look at in the report of `shadow bench`, and examples.
+const BENCH_HELP: &str = "\
+What to look at:
+  The backends draw in turn (cpu, gpu, cpu, gpu, ...), after a first frame of
+  each and a round that are not counted, so that whatever disturbs the machine
+  disturbs both.
+
+  median      what a frame takes on this machine as it is now; compare medians
+  quartiles   half of the frames lie between them. Where they are far apart the
+              machine was busy: close other programs, or take more --frames
+  fastest     what the machine can do when nothing disturbs it
+  ratio       of the times of the same round, so that it holds still where
+              the times do not; above 1 the second backend is the slower one
+  once        opening (threads, or the adapter and its shaders), preparing the
+              scene, and the first frame, in which drivers compile for the
+              machine: paid once, and not part of a frame
+  memory      the most physical memory that the process held at once beyond
+              what it held before the backend was opened, until its first
+              frame was drawn: the scene in the backend's own form, the maps
+              and the frame, threads, driver and compiled shaders. A software
+              adapter's memory is counted, that of a graphics card is not.
+              Linux tells; elsewhere it is left out
+
+  A software adapter (llvmpipe, SwiftShader) runs on the same cores as the cpu
+  backend: the ratio then compares two programs, and no graphics card.
+
+Examples:
+  shadow bench
+  shadow bench house.glb --size 1920x1080 --frames 50
+  shadow bench house.glb --backends cpu --threads 1
+  shadow bench house.glb --json | jq .ratios.total";
+
+/// Examples for `shadow info`.
+const INFO_EXAMPLES: &str = "\
+Examples:
+  shadow info house.glb
+  shadow info fox.glb --animation Run --time 0.5
+  shadow info house.glb --json | jq '.materials, .units_guess'";
+
 /// Examples for `shadow plan`.
 const PLAN_EXAMPLES: &str = "\
 Examples:
   shadow plan house.glb --map-size 4096
+  shadow plan house.glb --json | jq -r .camera.spec      # to copy, vary and give to --camera
   shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
+
+/// Examples for `shadow completions`.
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  shadow completions bash > ~/.local/share/bash-completion/completions/shadow
+  shadow completions zsh > ~/.zfunc/_shadow          # a folder in fpath
+  shadow completions fish > ~/.config/fish/completions/shadow.fish
+  shadow completions powershell >> $PROFILE";
+
+/// Examples for `shadow man`.
+const MAN_EXAMPLES: &str = "\
+Examples:
+  shadow man > ~/.local/share/man/man1/shadow.1
+  shadow man render > ~/.local/share/man/man1/shadow-render.1
+  shadow man bench | man -l -";
 
 /// What `--show` takes, in a line.
 const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
@@ -147,14 +239,46 @@ of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
 left out. The greys of distances are logarithmic for perspective views
 and linear for parallel rays.";
 
-/// What picture of which scene: the choices that `render`, `compare` and `plan` share.
+/// Which scene: the choices that all commands on scenes share.
 #[derive(Debug, ClapArgs)]
-pub(crate) struct PictureArgs {
+pub(crate) struct SceneArgs {
     /// The scene: a .gltf or .glb file, or builtin:NAME
     ///
     /// The built-in scenes are demo, box-on-plane, fence, tilted-plane and grazing; without a scene it is the demo.
     #[arg(value_name = "SCENE", value_parser = OsStringValueParser::new().map(SceneSource::from))]
-    pub(crate) scene: Option<SceneSource>,
+    pub(crate) source: Option<SceneSource>,
+
+    /// One of the scenes of a file that has several, by its name or number [default: the file's own]
+    ///
+    /// Numbers count from 0; `shadow info` lists the scenes. A scene whose name is a number goes by its number.
+    #[arg(long = "scene", value_name = "NAME|N", help_heading = "Scene")]
+    pub(crate) part: Option<Choice>,
+
+    /// The animation whose pose is drawn, by its name or number [default: the first]
+    ///
+    /// Numbers count from 0; `shadow info` lists the animations and how long they are.
+    #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
+    pub(crate) animation: Option<Choice>,
+
+    /// The time of the pose, in seconds from the beginning of the animation [default: 0]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true, help_heading = "Scene")]
+    pub(crate) time: Option<f64>,
+
+    /// The most memory that meshes, textures, shadow maps and frames may take together, such as 6GiB [default: 3/4 of the machine's]
+    ///
+    /// An amount with KiB, MiB, GiB or TiB, or a number of bytes. Left out, it is three quarters of the machine's memory, or of what a
+    /// control group (a container) allows; 16 GiB where the system does not tell, which is anywhere but on Linux. What would take
+    /// more is refused before it is begun, with what takes how much. While a file is read its limit is the same.
+    #[arg(long, value_name = "SIZE", help_heading = "Scene")]
+    pub(crate) memory_limit: Option<ByteSize>,
+}
+
+/// What picture of which scene: the choices that all commands on pictures share.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct PictureArgs {
+    /// Which scene.
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
 
     /// Width and height of the picture in pixels, each from 1 to 16384
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", help_heading = "Picture")]
@@ -189,7 +313,7 @@ pub(crate) struct PictureArgs {
     ///
     /// From -64 to 64; every step up halves the brightness. Without it the exposure is chosen by a fixed rule from the lights, the same
     /// on every backend.
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Picture")]
+    #[arg(long, value_name = "EV", value_parser = exposure_value, allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) exposure: Option<f32>,
 
     /// Width and height of each shadow map in texels, from 16 to 16384
@@ -197,7 +321,7 @@ pub(crate) struct PictureArgs {
         long,
         value_name = "TEXELS",
         default_value_t = 2048,
-        value_parser = clap::value_parser!(u32).range(i64::from(MIN_MAP_SIZE)..=i64::from(MAX_MAP_SIZE)),
+        value_parser = map_size,
         help_heading = "Shadows"
     )]
     pub(crate) map_size: u32,
@@ -213,11 +337,11 @@ pub(crate) struct PictureArgs {
     /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
     ///
     /// With `--bias none` it has no meaning and is refused.
-    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Shadows")]
+    #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
 }
 
-/// What renders: the choices that `render` and `compare` share.
+/// What renders: the choices that all commands that render share.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct MachineArgs {
     /// Take the graphics adapter whose name contains NAME (`shadow devices` lists them)
@@ -246,7 +370,13 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LAYER", default_value = "color", help = SHOW_HELP, long_help = SHOW_LONG_HELP, help_heading = "Picture")]
     pub(crate) show: Show,
 
-    /// The file to write; its name must end in .png
+    /// The file to write; its name must end in .png or .exr
+    ///
+    /// PNG is a picture to look at. EXR has the numbers, exactly as they were computed, as 32-bit floats: color is linear red, green, blue
+    /// and alpha after exposure; the other layers have one number, in red, green and blue alike. depth is reversed, 1 at the camera's near
+    /// plane and 0 at infinity or the far plane, and where there is nothing. shadow-map is 0 at the light's near plane and 1 at its far
+    /// plane, and where there is nothing. visibility is 0 in shadow and 1 in light. `shadow plan --json` has the matrices that turn depths
+    /// into metres. A file that is already there is replaced once the new one is complete.
     #[arg(short, long, value_name = "FILE", default_value = "shadow.png", help_heading = "Picture")]
     pub(crate) output: PathBuf,
 
@@ -297,6 +427,55 @@ pub(crate) struct CompareArgs {
     pub(crate) json: bool,
 }
 
+/// `shadow bench`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct BenchArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// The backends to time, in turn: cpu, gpu or both
+    #[arg(long, value_name = "LIST", default_value = "cpu,gpu", help_heading = "Backend")]
+    pub(crate) backends: BackendList,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// Frames of each backend that are timed, from 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) frames: u32,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `shadow_maps` (how many), `map_size`, `frames`, `backends` and
+    /// `ratios`. Each backend has its name as `backend`, its `adapter` (null for the CPU) and `threads` (null for the GPU), the medians in `milliseconds`
+    /// (`shadow_maps`, `camera`, `shading`, `total`), for each of these the `spread` (`min`, `lower_quartile`, `median`, `upper_quartile`, `max`),
+    /// `milliseconds_once` (`open`, `prepare`, `first_frame`) and `peak_bytes` (null where the system does not tell). `ratios` says `of` what,
+    /// and has the same stages and their `spread`; it is null for one backend.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow info`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct InfoArgs {
+    /// Which scene.
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `generator`, `triangles`, `vertices` and `instances` that are drawn, `meshes`, `primitives`,
+    /// `materials` (`opaque`, `mask`, `blend`), `textures`, `images`, `lights` (`name`, `kind`, `intensity`, `unit`), `cameras`, `scenes`, `drawn_scene`,
+    /// `animations` (`name`, `seconds`, `channels`), `drawn_animation`, `time`, `skins`, `bounds` (`min`, `max`, `size`, `diagonal`, in metres of the
+    /// file's world space), `units_guess` (`kilometres`, `metres`, `metres-or-centimetres`, `centimetres`, `millimetres`), `extensions_used` and
+    /// `extensions_ignored`. A light or camera that stands in for one that the scene lacks is not listed;
+    /// `bounds` and `units_guess` are null if nothing is drawn.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// `shadow plan`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct PlanArgs {
@@ -306,7 +485,8 @@ pub(crate) struct PlanArgs {
 
     /// Report as JSON on standard output
     ///
-    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` and `lights`. Each light has its `fit`, `split`,
+    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` (whose `spec` is what
+    /// --camera takes, null where there is no such description) and `lights`. Each light has its `fit`, `split`,
     /// `store`, `bias` and `filter`, and `views` with `clip_from_world` (a list of rows), `depth_range` and `texel_metres` in metres (the
     /// latter at 1 m from the light for a perspective view), and the bounds on `rounding` in texels and in depth.
     #[arg(long)]
@@ -319,6 +499,22 @@ pub(crate) struct DevicesArgs {
     /// Report as JSON on standard output: a list `devices`
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// `shadow completions`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+/// `shadow man`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ManArgs {
+    /// The command whose page is printed; without one it is the program's
+    #[arg(value_name = "COMMAND", value_parser = PossibleValuesParser::new(COMMANDS))]
+    pub(crate) command: Option<String>,
 }
 
 /// A renderer.
@@ -372,12 +568,14 @@ mod tests {
     fn the_definition_is_consistent() {
         use clap::CommandFactory;
         Args::command().debug_assert();
+        let commands: Vec<_> = Args::command().get_subcommands().map(|command| command.get_name().to_string()).collect();
+        assert_eq!(commands, COMMANDS);
     }
 
     #[test]
     fn nothing_is_render_with_its_defaults() {
         let Command::Render(args) = parse("shadow").unwrap().into_command().unwrap() else { panic!("not render") };
-        assert_eq!(args.picture.scene, None);
+        assert_eq!(args.picture.scene.source, None);
         assert_eq!(args.output, PathBuf::from("shadow.png"));
         assert_eq!((args.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
@@ -404,10 +602,18 @@ mod tests {
     #[test]
     fn values_out_of_range_are_refused_with_the_range() {
         for (line, expected) in [
-            ("shadow render --map-size 8", "16..=16384"),
+            ("shadow render --map-size 8", "from 16 to 16384"),
             ("shadow render --threads 1025", "0..=1024"),
             ("shadow render --size 0x5", "1 to 16384"),
+            ("shadow render --size 20000x5", "20000 pixels are more than the limit of 16384"),
+            ("shadow render --bias-constant 1cm", "the bias is in metres, here 0.01"),
+            ("shadow render --exposure 12ev", "here 12"),
+            ("shadow render --time 250ms", "the time is in seconds, here 0.25"),
+            ("shadow render --camera eye=1,2,3;target=0,0,0;fov=50deg", "fov is in degrees, here 50"),
+            ("shadow render --memory-limit 6G", "6GiB"),
             ("shadow compare --backends cpu,cpu", "comparing a backend with itself proves nothing"),
+            ("shadow bench --frames 0", "1..=10000"),
+            ("shadow bench --backends cpu,cpu", "at most once"),
             ("shadow render --filter soft", "bilinear"),
         ] {
             let error = parse(line).unwrap_err();

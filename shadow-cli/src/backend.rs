@@ -1,10 +1,10 @@
-//! Runs either renderer on a job and brings both to the same form.
+//! Runs either renderer and brings both to the same form.
 
 use std::time::Instant;
 
-use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer};
-use shadow_scene::{Frame, Layer, LayerName, Request, StageTimes};
+use shadow_cpu::{CpuRenderer, PreparedScene, RasterRules};
+use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, Request, Scene, StageTimes};
 
 use crate::{
     args::{Backend, MachineArgs},
@@ -33,15 +33,6 @@ impl RenderedFrame {
 }
 
 impl Backend {
-    /// How many copies of a frame the backend holds: the GPU backend has one in the adapter's memory, which may be the
-    /// system's, and one that was read back.
-    pub(crate) fn copies(self) -> u64 {
-        match self {
-            Self::Cpu => 1,
-            Self::Gpu => 2,
-        }
-    }
-
     /// Renders a job; the CPU backend follows `rules` where WebGPU leaves a choice.
     pub(crate) fn render(
         self,
@@ -51,11 +42,23 @@ impl Backend {
         rules: RasterRules,
         console: &Console,
     ) -> Result<RenderedFrame, CliError> {
-        match self {
-            Self::Cpu => render_on_cpu(job, request, machine, rules, console),
-            Self::Gpu => pollster::block_on(render_on_gpu(job, request, machine, console)),
-        }
+        let (renderer, once) = OpenBackend::open(self, &job.scene, machine, rules, console)?;
+        console.stage(format!("rendering on {}", renderer.place()));
+        let (frame, times) = renderer.render(&job.plan, request)?;
+        let times = StageTimes { prepare: once.prepare, ..times };
+        Ok(RenderedFrame { backend: self, adapter: renderer.adapter().cloned(), frame, times })
     }
+}
+
+/// Refuses an adapter that would not be used, and says where threads are not.
+pub(crate) fn check_machine(machine: &MachineArgs, backends: &[Backend], console: &Console) -> Result<(), CliError> {
+    if let (Some(adapter), false) = (&machine.adapter, backends.contains(&Backend::Gpu)) {
+        return Err(CliError::AdapterOfCpu(adapter.clone()));
+    }
+    if machine.threads != 0 && !backends.contains(&Backend::Cpu) {
+        console.note("--threads has no effect on the gpu backend");
+    }
+    Ok(())
 }
 
 /// The rules that the CPU backend follows to be compared with a driver: the driver's, as far as they are known.
@@ -66,46 +69,143 @@ pub(crate) fn rules_of(driver: DriverRules) -> RasterRules {
     }
 }
 
-fn render_on_cpu(
-    job: &Job,
-    request: Request,
-    machine: &MachineArgs,
-    rules: RasterRules,
-    console: &Console,
-) -> Result<RenderedFrame, CliError> {
-    let renderer = CpuRenderer::new(machine.threads as usize, rules)?;
-    console.stage("preparing the scene for the CPU");
-    let start = Instant::now();
-    let prepared = renderer.prepare(&job.scene);
-    let prepare = milliseconds_since(start);
-    console.stage("rendering on the CPU");
-    let rendered = renderer.render(&prepared, &job.plan, request)?;
-    Ok(RenderedFrame {
-        backend: Backend::Cpu,
-        adapter: None,
-        frame: rendered.frame,
-        times: StageTimes { prepare, ..rendered.times },
-    })
+/// How long it took to get ready, in milliseconds: what is done once, however many frames follow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnceTimes {
+    /// Starting the threads, or opening the adapter and compiling the shaders.
+    pub(crate) open: f64,
+    /// Bringing the scene into the renderer's own form.
+    pub(crate) prepare: f64,
 }
 
-async fn render_on_gpu(job: &Job, request: Request, machine: &MachineArgs, console: &Console) -> Result<RenderedFrame, CliError> {
-    console.stage("opening the graphics adapter");
-    let renderer = GpuRenderer::new(machine.adapter.as_deref()).await?;
-    console.stage(format!("bringing the scene to {}", renderer.adapter().name));
-    let start = Instant::now();
-    let uploaded = renderer.upload(&job.scene).await?;
-    let prepare = milliseconds_since(start);
-    console.stage(format!("rendering on {}", renderer.adapter().name));
-    let rendered = renderer.render(&uploaded, &job.plan, request).await?;
-    Ok(RenderedFrame {
-        backend: Backend::Gpu,
-        adapter: Some(renderer.adapter().clone()),
-        frame: rendered.frame,
-        times: StageTimes { prepare, ..rendered.times },
-    })
+/// A renderer that has a scene ready to be drawn.
+pub(crate) enum OpenBackend<'a> {
+    /// The CPU renderer.
+    Cpu {
+        /// With its threads.
+        renderer: CpuRenderer,
+        /// The scene in the renderer's form.
+        prepared: PreparedScene<'a>,
+    },
+    /// The GPU renderer.
+    Gpu {
+        /// With its adapter and shaders.
+        renderer: Box<GpuRenderer>,
+        /// The scene in the adapter's memory.
+        uploaded: Box<GpuScene>,
+    },
+}
+
+impl<'a> OpenBackend<'a> {
+    /// Opens a backend, brings a scene to it and says how long that took.
+    pub(crate) fn open(
+        backend: Backend,
+        scene: &'a Scene,
+        machine: &MachineArgs,
+        rules: RasterRules,
+        console: &Console,
+    ) -> Result<(Self, OnceTimes), CliError> {
+        let start = Instant::now();
+        match backend {
+            Backend::Cpu => {
+                let renderer = CpuRenderer::new(machine.threads as usize, rules)?;
+                let open = milliseconds_since(start);
+                console.stage("preparing the scene for the CPU");
+                let start = Instant::now();
+                let prepared = renderer.prepare(scene);
+                Ok((Self::Cpu { renderer, prepared }, OnceTimes { open, prepare: milliseconds_since(start) }))
+            }
+            Backend::Gpu => {
+                console.stage("opening the graphics adapter");
+                let renderer = pollster::block_on(GpuRenderer::new(machine.adapter.as_deref())).map(Box::new)?;
+                let open = milliseconds_since(start);
+                console.stage(format!("bringing the scene to {}", renderer.adapter().name));
+                let start = Instant::now();
+                let uploaded = pollster::block_on(renderer.upload(scene)).map(Box::new)?;
+                Ok((Self::Gpu { renderer, uploaded }, OnceTimes { open, prepare: milliseconds_since(start) }))
+            }
+        }
+    }
+
+    /// The graphics adapter, if one is used.
+    pub(crate) fn adapter(&self) -> Option<&AdapterSummary> {
+        match self {
+            Self::Cpu { .. } => None,
+            Self::Gpu { renderer, .. } => Some(renderer.adapter()),
+        }
+    }
+
+    /// How many threads it has, as far as it has them itself.
+    pub(crate) fn threads(&self) -> Option<usize> {
+        match self {
+            Self::Cpu { renderer, .. } => Some(renderer.threads()),
+            Self::Gpu { .. } => None,
+        }
+    }
+
+    /// Where it renders, for a sentence.
+    fn place(&self) -> &str {
+        self.adapter().map_or("the CPU", |adapter| &adapter.name)
+    }
+
+    /// Renders the layers that are asked for and brings them into memory.
+    fn render(&self, plan: &FramePlan, request: Request) -> Result<(Frame, StageTimes), CliError> {
+        match self {
+            Self::Cpu { renderer, prepared } => {
+                let rendered = renderer.render(prepared, plan, request)?;
+                Ok((rendered.frame, rendered.times))
+            }
+            Self::Gpu { renderer, uploaded } => {
+                let rendered = pollster::block_on(renderer.render(uploaded, plan, request))?;
+                Ok((rendered.frame, rendered.times))
+            }
+        }
+    }
+
+    /// Draws a whole frame, every stage of it, and reads nothing back; says how long each stage took, in milliseconds.
+    ///
+    /// Each stage ends when its result is there: the GPU backend waits for the adapter. Giving the results' memory back is not timed.
+    pub(crate) fn draw(&self, plan: &FramePlan) -> Result<StageTimes, CliError> {
+        let start = Instant::now();
+        match self {
+            Self::Cpu { renderer, prepared } => {
+                let camera = renderer.camera(prepared, plan)?;
+                let camera_done = Instant::now();
+                let maps = renderer.shadow_maps(prepared, plan);
+                let maps_done = Instant::now();
+                let visibility = renderer.visibility(prepared, plan, &camera, &maps);
+                let color = renderer.color(prepared, plan, &camera, &visibility);
+                let times = stage_times([start, camera_done, maps_done, Instant::now()]);
+                // Nobody looks at the picture, and the compiler must not notice.
+                std::hint::black_box(color);
+                Ok(times)
+            }
+            Self::Gpu { renderer, uploaded } => pollster::block_on(async {
+                let camera = renderer.camera(uploaded, plan).await?;
+                let camera_done = Instant::now();
+                let maps = renderer.shadow_maps(uploaded, plan).await?;
+                let maps_done = Instant::now();
+                let visibility = renderer.visibility(uploaded, plan, &camera, &maps).await?;
+                let _color = renderer.color(uploaded, plan, &camera, &visibility).await?;
+                Ok(stage_times([start, camera_done, maps_done, Instant::now()]))
+            }),
+        }
+    }
+}
+
+/// The stages of a frame by their borders: the beginning and the ends of camera, shadow maps and shading, in the order in which both
+/// renderers draw a frame.
+fn stage_times([start, camera_done, maps_done, shading_done]: [Instant; 4]) -> StageTimes {
+    let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+    StageTimes {
+        prepare: 0.0,
+        camera: milliseconds(start, camera_done),
+        shadow_maps: milliseconds(camera_done, maps_done),
+        shading: milliseconds(maps_done, shading_done),
+    }
 }
 
 /// Milliseconds since then.
-fn milliseconds_since(start: Instant) -> f64 {
+pub(crate) fn milliseconds_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }

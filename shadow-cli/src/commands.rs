@@ -2,8 +2,12 @@
 
 mod render;
 mod compare;
+mod bench;
+mod info;
 mod plan;
 mod devices;
+mod completions;
+mod man;
 
 use crate::{
     args::{Args, Command},
@@ -24,7 +28,11 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
     match args.into_command()? {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Bench(args) => bench::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     }
 }

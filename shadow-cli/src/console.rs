@@ -5,13 +5,16 @@ use std::{
     time::Duration,
 };
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::error::CliError;
 
 /// How often the spinner turns.
 const SPINNER_TICK: Duration = Duration::from_millis(100);
+
+/// The bar: what is done, how much of it, and how long the rest will take.
+const BAR: &str = "{msg} {bar:30} {pos}/{len}, {eta} left";
 
 /// What is said while the work goes on, on standard error.
 pub(crate) struct Console {
@@ -32,6 +35,21 @@ impl Console {
     /// Says what is being done.
     pub(crate) fn stage(&self, what: impl Into<String>) {
         self.spinner.set_message(what.into());
+    }
+
+    /// Shows a bar of `steps` in place of the spinner. It is drawn by [`Self::step`] alone: nothing runs beside what is being timed.
+    pub(crate) fn bar(&self, steps: u64) {
+        self.spinner.disable_steady_tick();
+        if let Ok(style) = ProgressStyle::with_template(BAR) {
+            self.spinner.set_style(style);
+        }
+        self.spinner.set_length(steps);
+        self.spinner.set_position(0);
+    }
+
+    /// One step of the bar is done.
+    pub(crate) fn step(&self) {
+        self.spinner.inc(1);
     }
 
     /// Says something that a person should know.
@@ -85,6 +103,11 @@ pub(crate) fn to_json(report: &impl Serialize) -> io::Result<String> {
     let mut text = serde_json::to_string_pretty(report)?;
     text.push('\n');
     Ok(text)
+}
+
+/// A number of things: the plural is the singular with an s.
+pub(crate) fn count(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
 }
 
 /// A table: columns as wide as their widest cell, flush left where `is_left` says so of the column's index and right elsewhere.

@@ -7,6 +7,8 @@ use shadow_gpu::GpuError;
 use shadow_math::{CameraError, LightError};
 use shadow_scene::{FramePlanError, ImportError, LayerName, compare::CompareError};
 
+use crate::{memory::Limit, specs::bytes_text};
+
 /// Why the program cannot do what was asked for. Each message names the value, the limit and the way out.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -54,32 +56,54 @@ pub(crate) enum CliError {
     #[error("--bias-constant {0} has no meaning with --bias none; use --bias constant or --bias slope, or leave it out")]
     BiasConstant(f32),
     /// An adapter for a renderer that has none.
-    #[error("--adapter `{0}` chooses a graphics adapter, but the backend is cpu; add --backend gpu or leave it out")]
+    #[error(
+        "--adapter `{0}` chooses a graphics adapter, but only the cpu backend is used; name gpu in --backend or --backends, or leave it out"
+    )]
     AdapterOfCpu(String),
     /// The plan.
     #[error(transparent)]
     Plan(#[from] FramePlanError),
-    /// The picture and its maps would take too much memory.
+    /// A choice among what is in a file, for a scene that came from none.
     #[error(
-        "{what} would take about {needed} GiB of memory, more than the limit of {limit} GiB; choose a smaller --size or --map-size, or fewer lights"
+        "{option} chooses among what is in a file, but `builtin:{name}` is built in; name a .gltf or .glb file, or leave {option} out"
+    )]
+    NotAFile {
+        /// The option.
+        option: &'static str,
+        /// The name of the built-in scene.
+        name: String,
+    },
+    /// Reading a file would take too much memory.
+    #[error("{0}; the limit is set by --memory-limit, such as --memory-limit 6GiB")]
+    ImportMemory(ImportError),
+    /// The scene, the maps and the frames would take too much memory.
+    #[error(
+        "{scene} would take about {} of memory, more than the limit of {limit}: {parts}; {way_out}, or allow more with --memory-limit",
+        bytes_text(*needed)
     )]
     TooMuchMemory {
-        /// What would take it.
-        what: String,
-        /// How much, in GiB.
+        /// What the scene is called.
+        scene: String,
+        /// How much it would take, in bytes.
         needed: u64,
-        /// The limit, in GiB.
-        limit: u64,
+        /// The limit.
+        limit: Limit,
+        /// What takes how much, the largest first.
+        parts: String,
+        /// What to do about the largest.
+        way_out: &'static str,
     },
     /// The system does not have the memory.
-    #[error(
-        "{what} would take about {megabytes} MiB of memory, which this system does not have; choose a smaller --size or --map-size, or fewer lights"
-    )]
+    #[error("{scene} would take about {} of memory, which this system does not give: {parts}; {way_out}", bytes_text(*needed))]
     OutOfMemory {
-        /// What would take it.
-        what: String,
-        /// How much, in MiB.
-        megabytes: u64,
+        /// What the scene is called.
+        scene: String,
+        /// How much it would take, in bytes.
+        needed: u64,
+        /// What takes how much, the largest first.
+        parts: String,
+        /// What to do about the largest.
+        way_out: &'static str,
     },
     /// The CPU renderer.
     #[error(transparent)]
@@ -99,7 +123,7 @@ pub(crate) enum CliError {
     #[error("the two pictures cannot be compared")]
     Compare(#[from] CompareError),
     /// The output's name does not end in a format that can be written.
-    #[error("cannot write `{}`: {}; choose a name that ends in .png", path.display(), format_problem(path))]
+    #[error("cannot write `{}`: {}; choose a name that ends in .png (a picture) or .exr (the numbers)", path.display(), format_problem(path))]
     Format {
         /// The file.
         path: PathBuf,
@@ -127,7 +151,7 @@ impl CliError {
 /// What is wrong with the name of a picture.
 fn format_problem(path: &std::path::Path) -> String {
     match path.extension() {
-        Some(extension) => format!("pictures are written as PNG, not as .{}", extension.to_string_lossy()),
+        Some(extension) => format!("the formats are PNG and OpenEXR, not .{}", extension.to_string_lossy()),
         None => "its name has no ending that says the format".into(),
     }
 }
@@ -171,8 +195,10 @@ mod tests {
 
     #[test]
     fn a_wrong_ending_is_named() {
-        let text = CliError::Format { path: "a/b.exr".into() }.to_string();
-        assert!(text.contains("a/b.exr") && text.contains(".exr;") && text.contains(".png"), "{text}");
+        let text = CliError::Format { path: "a/b.jpg".into() }.to_string();
+        for part in ["a/b.jpg", "not .jpg;", ".png", ".exr"] {
+            assert!(text.contains(part), "`{part}` in {text}");
+        }
         assert!(CliError::Format { path: "picture".into() }.to_string().contains("no ending"));
     }
 }

@@ -1,7 +1,8 @@
 //! The program `shadow`: checkable shadow mapping on the command line.
 //!
 //! `main` is the storyboard: what was typed ([`args`]) becomes a job ([`resolve`]), a command runs it ([`commands`]), and its verdict
-//! becomes the exit code: 0 done, 1 the thing asked about is not so, 2 it could not be done.
+//! becomes the exit code: 0 done, 1 the thing asked about is not so, 2 it could not be done. An interruption ends it with 130
+//! ([`interrupt`]).
 
 #![forbid(unsafe_code)]
 
@@ -11,9 +12,14 @@ mod resolve;
 mod backend;
 mod commands;
 mod picture;
+mod exr;
 mod output;
+mod interrupt;
 mod console;
+mod machine;
 mod memory;
+mod resident;
+mod statistics;
 mod error;
 
 use std::process::ExitCode;
@@ -29,6 +35,7 @@ const FAILED: u8 = 2;
 
 fn main() -> ExitCode {
     console::report_panics_as_defects();
+    interrupt::remove_unfinished_files_when_interrupted();
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(usage) => {

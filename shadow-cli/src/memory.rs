@@ -1,68 +1,342 @@
-//! How much memory a picture takes, and the refusal of more than there should be: a failed allocation would end the program.
+//! How much memory a job takes, and the refusal of more than there should be: a failed allocation would end the program.
+//!
+//! The amounts are estimates from above, part by part: what is known of the renderers' buffers, not what is measured. The program itself,
+//! its libraries and a graphics driver are not in them: these take about 100 MiB, whatever is drawn.
 
-use shadow_scene::FramePlan;
+use std::fmt;
 
-use crate::error::CliError;
+use shadow_scene::{LayerName, Request};
 
-/// One GiB in bytes.
-const GIB: u64 = 1 << 30;
-/// One MiB in bytes.
-const MIB: u64 = 1 << 20;
+use crate::{
+    args::Backend,
+    console::count,
+    error::CliError,
+    machine,
+    output::Format,
+    resolve::Job,
+    specs::{ByteSize, bytes_text},
+};
 
-/// The most memory that pictures and shadow maps may take: 16 GiB. The largest map (1 GiB) can then still be drawn for a point light
-/// (six), and a larger request is more likely a slip of the hand than a plan.
-const LIMIT: u64 = 16 * GIB;
+/// The limit where the system does not say how much memory it has: 16 GiB, as much as common machines have. The largest map (1 GiB) can
+/// then still be drawn for a point light (six of them), and a larger request is more likely a slip of the hand than a plan.
+const FALLBACK_LIMIT: u64 = 16 << 30;
 
-/// Bytes of a pixel in every frame: triangle and depth (4 each), colour (16), and the written picture (4).
-const BYTES_PER_PIXEL: u64 = 4 + 4 + 16 + 4;
-/// Bytes of a pixel for each light: its visibility, as it is computed and as a layer.
-const BYTES_PER_PIXEL_AND_LIGHT: u64 = 4 + 4;
-/// Bytes of a texel of a shadow map.
-const BYTES_PER_TEXEL: u64 = 4;
+/// Bytes of a vertex in a scene: position and normal (12 each), texture coordinates (8), colour (16).
+const VERTEX: u64 = 12 + 12 + 8 + 16;
+/// Bytes of a vertex in the CPU backend: its position again (12) and its place in the window (24).
+const CPU_VERTEX: u64 = 12 + 24;
+/// Bytes of a triangle in a scene: three indices and a material.
+const TRIANGLE: u64 = 12 + 4;
+/// Bytes of a triangle in the CPU backend while a pass draws it: its edges and depth plane (72), and its entries in two or three bins.
+const CPU_TRIANGLE: u64 = 72 + 36;
+/// Bytes of a texel in a scene, and again in either backend.
+const TEXEL: u64 = 4;
+/// Bytes of a texel of a shadow map, of a depth, of a triangle's index and of a light's visibility.
+const NUMBER: u64 = 4;
+/// Bytes of a colour: four numbers.
+const COLOR: u64 = 16;
+/// Bytes of a pixel of a frame's layer that is compared: its difference (8 for each of three channels), and the pictures of it and of the
+/// two layers (3 each).
+const COMPARED_PIXEL: u64 = 24 + 9;
+/// Bytes of a texel of a shadow map that is compared: the same with one channel.
+const COMPARED_TEXEL: u64 = 8 + 3;
 
-/// About how many bytes one frame of a plan takes; saturating.
-pub(crate) fn frame_bytes(plan: &FramePlan) -> u64 {
-    let pixels = u64::from(plan.camera.width).saturating_mul(u64::from(plan.camera.height));
-    let lights = (plan.lights.len() as u64).saturating_mul(BYTES_PER_PIXEL_AND_LIGHT);
-    let texels = u64::from(plan.map_size).pow(2).saturating_mul(plan.views.len() as u64);
-    pixels.saturating_mul(lights.saturating_add(BYTES_PER_PIXEL)).saturating_add(texels.saturating_mul(BYTES_PER_TEXEL))
+/// The most memory that a job may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limit {
+    pub(crate) bytes: u64,
+    /// Where it comes from.
+    origin: &'static str,
 }
 
-/// Refuses to hold `copies` frames of a plan where they take more than the limit, or more than the system would give.
-pub(crate) fn check(plan: &FramePlan, copies: u64) -> Result<(), CliError> {
-    check_bytes(&describe(plan, copies), frame_bytes(plan).saturating_mul(copies))
+impl Limit {
+    /// The limit that was typed; without one, three quarters of the machine's memory: the rest is the system's and other programs'.
+    pub(crate) fn new(typed: Option<ByteSize>) -> Self {
+        match (typed, machine::memory_bytes()) {
+            (Some(ByteSize(bytes)), _) => Self { bytes, origin: "--memory-limit" },
+            (None, Some(machine)) => Self { bytes: machine / 4 * 3, origin: "three quarters of this machine's memory" },
+            (None, None) => Self { bytes: FALLBACK_LIMIT, origin: "the default on this system" },
+        }
+    }
 }
 
-fn describe(plan: &FramePlan, copies: u64) -> String {
-    let times = if copies > 1 { format!(", {copies} times over,") } else { String::new() };
-    let maps = if plan.views.len() == 1 { "shadow map" } else { "shadow maps" };
-    format!(
-        "a picture of {} x {} pixels with {} {maps} of {size} x {size} texels{times}",
-        plan.camera.width,
-        plan.camera.height,
-        plan.views.len(),
-        size = plan.map_size
-    )
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({})", bytes_text(self.bytes), self.origin)
+    }
 }
 
-fn check_bytes(what: &str, bytes: u64) -> Result<(), CliError> {
-    if bytes > LIMIT {
-        return Err(CliError::TooMuchMemory { what: what.into(), needed: bytes.div_ceil(GIB), limit: LIMIT / GIB });
+/// What a command has in memory at once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Work<'a> {
+    /// One backend renders a layer, which is written.
+    Render(Backend, LayerName, Format),
+    /// One backend after the other renders all layers, and they are compared.
+    Compare([Backend; 2]),
+    /// All backends stay ready, and none gives anything back.
+    Bench(&'a [Backend]),
+}
+
+/// Bytes, by what they are for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Demand {
+    meshes: u64,
+    textures: u64,
+    maps: u64,
+    frame: u64,
+}
+
+impl Demand {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            meshes: self.meshes.saturating_add(other.meshes),
+            textures: self.textures.saturating_add(other.textures),
+            maps: self.maps.saturating_add(other.maps),
+            frame: self.frame.saturating_add(other.frame),
+        }
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self {
+            meshes: self.meshes.max(other.meshes),
+            textures: self.textures.max(other.textures),
+            maps: self.maps.max(other.maps),
+            frame: self.frame.max(other.frame),
+        }
+    }
+
+    fn total(self) -> u64 {
+        [self.meshes, self.textures, self.maps, self.frame].into_iter().fold(0, u64::saturating_add)
+    }
+}
+
+/// The amounts of a job that everything else is a multiple of.
+#[derive(Clone, Copy, Debug)]
+struct Amounts {
+    vertices: u64,
+    triangles: u64,
+    /// Of textures.
+    texels: u64,
+    views: u64,
+    /// Of one map.
+    map_texels: u64,
+    pixels: u64,
+    lights: u64,
+}
+
+impl Amounts {
+    fn of(job: &Job) -> Self {
+        let plan = &job.plan;
+        Self {
+            vertices: job.scene.vertices().positions.len() as u64,
+            triangles: job.scene.triangles().len() as u64,
+            texels: job.scene.images().iter().map(|image| image.texels.len() as u64).sum(),
+            views: plan.views.len() as u64,
+            map_texels: u64::from(plan.map_size).pow(2),
+            pixels: u64::from(plan.camera.width) * u64::from(plan.camera.height),
+            lights: plan.lights.len() as u64,
+        }
+    }
+
+    /// The scene itself.
+    fn scene(&self) -> Demand {
+        let meshes = self.vertices * VERTEX + self.triangles * TRIANGLE;
+        Demand { meshes, textures: self.texels * TEXEL, ..Demand::default() }
+    }
+
+    /// All maps, once.
+    fn maps(&self) -> u64 {
+        self.map_texels.saturating_mul(self.views).saturating_mul(NUMBER)
+    }
+
+    fn visibility(&self) -> u64 {
+        self.pixels.saturating_mul(self.lights).saturating_mul(NUMBER)
+    }
+
+    /// The layers of a frame that are given back.
+    fn layers(&self, request: Request) -> Demand {
+        let if_asked = |is_asked: bool, bytes: u64| if is_asked { bytes } else { 0 };
+        let frame = if_asked(request.camera, self.pixels * 2 * NUMBER)
+            .saturating_add(if_asked(request.visibility, self.visibility()))
+            .saturating_add(if_asked(request.color, self.pixels * COLOR));
+        Demand { maps: if_asked(request.shadow_maps, self.maps()), frame, ..Demand::default() }
+    }
+
+    /// What a backend has while it renders, beyond the layers that it gives back.
+    fn working(&self, backend: Backend, request: Request) -> Demand {
+        let all_stages = self.pixels.saturating_mul(2 * NUMBER + COLOR).saturating_add(self.visibility());
+        match backend {
+            // The buffers become the layers, but for visibility, whose layers are copies.
+            Backend::Cpu => {
+                let moved = self.layers(Request { visibility: false, ..request });
+                Demand {
+                    meshes: self.vertices * CPU_VERTEX + self.triangles * CPU_TRIANGLE,
+                    textures: self.texels * TEXEL,
+                    maps: self.maps().saturating_sub(moved.maps),
+                    frame: all_stages.saturating_sub(moved.frame),
+                }
+            }
+            // Everything is in the adapter's memory, which may be the system's. A layer is read back through two buffers, and
+            // visibility is then sorted by light. The scene is laid out once more to be brought there.
+            Backend::Gpu => {
+                let read = self.layers(request);
+                let map_read = if read.maps > 0 { 2 * self.map_texels * NUMBER } else { 0 };
+                Demand {
+                    meshes: 2 * self.scene().meshes,
+                    textures: 2 * self.texels * TEXEL,
+                    maps: self.maps().saturating_add(map_read),
+                    frame: all_stages.saturating_add(read.frame.saturating_mul(2)),
+                }
+            }
+        }
+    }
+
+    /// What a command has at once.
+    fn of_work(&self, work: Work<'_>) -> Demand {
+        let rendering = match work {
+            Work::Render(backend, layer, format) => {
+                let request = crate::resolve::request_for(layer);
+                // PNG has a byte a channel; of EXR the encoder takes four of them, with three or four channels.
+                let written = match (format, layer) {
+                    (Format::Png, _) => 3,
+                    (Format::Exr, LayerName::Color) => COLOR,
+                    (Format::Exr, _) => 3 * NUMBER,
+                };
+                let written = match layer {
+                    LayerName::ShadowMap { .. } => Demand { maps: self.map_texels * written, ..Demand::default() },
+                    _ => Demand { frame: self.pixels * written, ..Demand::default() },
+                };
+                self.working(backend, request).plus(self.layers(request)).plus(written)
+            }
+            Work::Compare([first, second]) => {
+                let layers = self.layers(Request::ALL);
+                let working = self.working(first, Request::ALL).max(self.working(second, Request::ALL));
+                let judged =
+                    Demand { maps: self.map_texels * COMPARED_TEXEL, frame: self.pixels * COMPARED_PIXEL, ..Demand::default() };
+                layers.plus(layers).plus(working.max(judged))
+            }
+            Work::Bench(backends) => {
+                let working = backends.iter().map(|&backend| self.working(backend, Request::default()));
+                working.fold(Demand::default(), Demand::plus)
+            }
+        };
+        self.scene().plus(rendering)
+    }
+}
+
+/// Refuses a job that would take more memory than the limit, or more than the system would give.
+pub(crate) fn check(job: &Job, work: Work<'_>) -> Result<(), CliError> {
+    let demand = Amounts::of(job).of_work(work);
+    let needed = demand.total();
+    if needed > job.limit.bytes {
+        let parts = parts_text(job, demand);
+        let way_out = way_out(demand);
+        return Err(CliError::TooMuchMemory { scene: job.scene_name.clone(), needed, limit: job.limit, parts, way_out });
     }
     // Reserving asks the system without touching the memory; where it refuses, a later allocation would have ended the program.
-    let reserved = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
-    if reserved { Ok(()) } else { Err(CliError::OutOfMemory { what: what.into(), megabytes: bytes.div_ceil(MIB) }) }
+    let reserved = usize::try_from(needed).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if reserved {
+        return Ok(());
+    }
+    Err(CliError::OutOfMemory { scene: job.scene_name.clone(), needed, parts: parts_text(job, demand), way_out: way_out(demand) })
+}
+
+/// The parts from the largest on, with what makes them as large as they are.
+fn parts_text(job: &Job, demand: Demand) -> String {
+    let plan = &job.plan;
+    let size = plan.map_size;
+    let mut parts = [
+        (demand.meshes, format!("meshes {} ({})", bytes_text(demand.meshes), count(job.scene.triangles().len(), "triangle"))),
+        (demand.textures, format!("textures {} ({})", bytes_text(demand.textures), count(job.scene.images().len(), "image"))),
+        (demand.maps, format!("shadow maps {} ({} of {size} x {size} texels)", bytes_text(demand.maps), plan.views.len())),
+        (
+            demand.frame,
+            format!(
+                "frame {} ({} x {} pixels, {})",
+                bytes_text(demand.frame),
+                plan.camera.width,
+                plan.camera.height,
+                count(plan.lights.len(), "light")
+            ),
+        ),
+    ];
+    parts.sort_by_key(|(bytes, _)| std::cmp::Reverse(*bytes));
+    parts.map(|(_, text)| text).join(", ")
+}
+
+/// What to do about the largest part.
+fn way_out(demand: Demand) -> &'static str {
+    let Demand { meshes, textures, maps, frame } = demand;
+    let choices = [
+        (meshes, "use a scene of fewer triangles"),
+        (textures, "use a scene of smaller textures"),
+        (maps, "choose a smaller --map-size or fewer lights"),
+        (frame, "choose a smaller --size or fewer lights"),
+    ];
+    choices.into_iter().max_by_key(|(bytes, _)| *bytes).map_or("", |(_, choice)| choice)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const GIB: u64 = 1 << 30;
+
+    /// One map of 1 GiB, a picture of 1 Mi pixels and a light; no scene.
+    const AMOUNTS: Amounts =
+        Amounts { vertices: 0, triangles: 0, texels: 0, views: 1, map_texels: GIB / 4, pixels: 1 << 20, lights: 1 };
+
     #[test]
-    fn the_limit_is_a_sentence() {
-        check_bytes("a small picture", 1 << 20).unwrap();
-        let error = check_bytes("a picture", LIMIT + 1).unwrap_err().to_string();
-        assert!(error.contains("17 GiB") && error.contains("16 GiB") && error.contains("--map-size"), "{error}");
-        assert!(check_bytes("a picture", u64::MAX).is_err());
+    fn backends_hold_as_many_maps_as_they_do() {
+        let maps = |work: Work<'_>| AMOUNTS.of_work(work).maps as f64 / GIB as f64;
+        assert_eq!(maps(Work::Render(Backend::Cpu, LayerName::Color, Format::Png)), 1.0);
+        assert_eq!(maps(Work::Render(Backend::Gpu, LayerName::Color, Format::Png)), 1.0);
+        let map = LayerName::ShadowMap { light: 0, view: 0 };
+        // The map and its picture of three bytes a texel, or of three numbers.
+        assert_eq!(maps(Work::Render(Backend::Cpu, map, Format::Png)), 1.75);
+        assert_eq!(maps(Work::Render(Backend::Cpu, map, Format::Exr)), 4.0);
+        // The adapter's, two buffers to read it back, the map and its picture.
+        assert_eq!(maps(Work::Render(Backend::Gpu, map, Format::Png)), 4.75);
+        assert_eq!(maps(Work::Bench(&[Backend::Cpu, Backend::Gpu])), 2.0);
+        // Both frames' maps, and the larger of what rendering (the adapter's map and two buffers to read it) and judging take.
+        assert_eq!(maps(Work::Compare([Backend::Cpu, Backend::Gpu])), 2.0 + 3.0);
+    }
+
+    #[test]
+    fn frames_count_every_buffer_once() {
+        let frame = |work: Work<'_>| AMOUNTS.of_work(work).frame / AMOUNTS.pixels;
+        // Triangle and depth, visibility, colour, and three bytes of the picture.
+        assert_eq!(frame(Work::Render(Backend::Cpu, LayerName::Color, Format::Png)), 8 + 4 + 16 + 3);
+        // On the adapter, through two buffers, and the colour itself.
+        assert_eq!(frame(Work::Render(Backend::Gpu, LayerName::Color, Format::Png)), 28 + 2 * 16 + 16 + 3);
+        assert_eq!(frame(Work::Bench(&[Backend::Cpu])), 28);
+    }
+
+    #[test]
+    fn scenes_count_with_the_backends_copies() {
+        let amounts = Amounts { vertices: 10, triangles: 100, texels: 1000, ..AMOUNTS };
+        let demand = amounts.of_work(Work::Bench(&[Backend::Cpu]));
+        assert_eq!((demand.meshes, demand.textures), (10 * (48 + 36) + 100 * (16 + 108), 8000));
+    }
+
+    #[test]
+    fn amounts_beyond_every_machine_do_not_overflow() {
+        let huge = Amounts { views: u64::MAX, lights: u64::MAX, ..AMOUNTS };
+        assert_eq!(huge.of_work(Work::Compare([Backend::Gpu, Backend::Cpu])).total(), u64::MAX);
+    }
+
+    #[test]
+    fn the_limit_says_where_it_comes_from() {
+        assert_eq!(Limit::new(Some(ByteSize(6 * GIB))).to_string(), "6.00 GiB (--memory-limit)");
+        let default = Limit::new(None);
+        assert!(default.bytes > 0 && !default.to_string().contains("--memory-limit"), "{default}");
+    }
+
+    #[test]
+    fn the_way_out_is_that_of_the_largest_part() {
+        assert!(way_out(Demand { maps: 2, frame: 1, ..Demand::default() }).contains("--map-size"));
+        assert!(way_out(Demand { maps: 1, frame: 2, ..Demand::default() }).contains("--size"));
+        assert!(way_out(Demand { textures: 2, frame: 1, ..Demand::default() }).contains("textures"));
+        assert!(way_out(Demand { meshes: 2, frame: 1, ..Demand::default() }).contains("triangles"));
     }
 }

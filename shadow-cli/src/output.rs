@@ -7,23 +7,43 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-use shadow_scene::LayerName;
+use shadow_scene::{Layer, LayerName};
 
-use crate::{error::CliError, picture::Picture};
+use crate::{
+    error::CliError,
+    exr::write_exr,
+    interrupt::{begin_file, end_file},
+    picture::Picture,
+};
 
-/// Checks, before any work is done, that a picture can be written there: its name ends in .png and its folder exists.
-pub(crate) fn check_picture_path(path: &Path) -> Result<(), CliError> {
-    let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if !is_png {
-        return Err(CliError::Format { path: path.into() });
+/// What a layer is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// A picture to look at.
+    Png,
+    /// The numbers.
+    Exr,
+}
+
+impl Format {
+    /// The format that the ending of a name says.
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?;
+        let is = |ending: &str| extension.eq_ignore_ascii_case(ending);
+        if is("png") { Some(Self::Png) } else { is("exr").then_some(Self::Exr) }
     }
+}
+
+/// Checks, before any work is done, that a layer can be written there: its name ends in a format's and its folder exists. Gives the format.
+pub(crate) fn check_output_path(path: &Path) -> Result<Format, CliError> {
+    let Some(format) = Format::of(path) else { return Err(CliError::Format { path: path.into() }) };
     if path.is_dir() {
         return Err(CliError::Write { path: path.into(), source: io::ErrorKind::IsADirectory.into() });
     }
     let folder = folder_of(path);
     let refused = |problem: String| Err(CliError::Write { path: path.into(), source: io::Error::other(problem) });
     match fs::metadata(folder) {
-        Ok(metadata) if metadata.is_dir() => Ok(()),
+        Ok(metadata) if metadata.is_dir() => Ok(format),
         Ok(_) => refused(format!("`{}` is not a folder; choose another one", folder.display())),
         Err(error) => {
             refused(format!("the folder `{}` cannot be used: {error}; make it or choose another one", folder.display()))
@@ -45,6 +65,11 @@ pub(crate) fn write_picture(path: &Path, picture: &Picture) -> Result<(), CliErr
     write_atomically(path, |file| picture.write_png(file))
 }
 
+/// Writes the numbers of a layer as OpenEXR.
+pub(crate) fn write_layer(path: &Path, layer: &Layer) -> Result<(), CliError> {
+    write_atomically(path, |file| write_exr(layer, file))
+}
+
 /// Writes a text.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     write_atomically(path, |file| file.write_all(text.as_bytes()))
@@ -57,14 +82,17 @@ pub(crate) fn file_name(layer: LayerName, what: &str) -> String {
 }
 
 /// Lets `write` fill a new file beside `path` and gives it that name when it is complete. On failure nothing is left behind, and
-/// what was at `path` before is still there.
+/// what was at `path` before is still there; so it is if the program is interrupted.
 fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), CliError> {
     let failed = |source| CliError::Write { path: path.into(), source };
     let temporary = TemporaryFile::beside(path);
+    // Not a private file, as temporary ones commonly are: it will be the final one, and has the permissions of any new file.
     let file = OpenOptions::new().write(true).create_new(true).open(&temporary.path).map_err(failed)?;
     let mut file = BufWriter::new(file);
     write(&mut file).map_err(failed)?;
-    file.into_inner().map_err(|error| failed(error.into_error()))?;
+    let file = file.into_inner().map_err(|error| failed(error.into_error()))?;
+    // What a system puts off, such as noticing that a disk is full, it does now.
+    file.sync_all().map_err(failed)?;
     fs::rename(&temporary.path, path).map_err(failed)
 }
 
@@ -79,7 +107,9 @@ impl TemporaryFile {
         static COUNTER: AtomicU32 = AtomicU32::new(0);
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
         let name = format!(".shadow-{}-{number}.tmp", std::process::id());
-        Self { path: folder_of(path).join(name) }
+        let path = folder_of(path).join(name);
+        begin_file(&path);
+        Self { path }
     }
 }
 
@@ -87,6 +117,7 @@ impl Drop for TemporaryFile {
     fn drop(&mut self) {
         // After the renaming there is nothing to remove, and a failure to remove cannot be mended here.
         let _ = fs::remove_file(&self.path);
+        end_file(&self.path);
     }
 }
 
@@ -144,14 +175,14 @@ mod tests {
         assert!(matches!(make_folder(&folder.join("file")), Err(CliError::Write { .. })));
         make_folder(&folder.join("one/two")).unwrap();
         make_folder(&folder.join("one/two")).unwrap();
-        check_picture_path(&folder.join("a.png")).unwrap();
-        check_picture_path(&folder.join("a.PNG")).unwrap();
-        check_picture_path(Path::new("a.png")).unwrap();
-        assert!(matches!(check_picture_path(&folder.join("a.jpg")), Err(CliError::Format { .. })));
-        assert!(matches!(check_picture_path(&folder.join("a")), Err(CliError::Format { .. })));
-        assert!(matches!(check_picture_path(&folder.join("missing/a.png")), Err(CliError::Write { .. })));
+        assert_eq!(check_output_path(&folder.join("a.png")).unwrap(), Format::Png);
+        assert_eq!(check_output_path(&folder.join("a.PNG")).unwrap(), Format::Png);
+        assert_eq!(check_output_path(Path::new("a.exr")).unwrap(), Format::Exr);
+        assert!(matches!(check_output_path(&folder.join("a.jpg")), Err(CliError::Format { .. })));
+        assert!(matches!(check_output_path(&folder.join("a")), Err(CliError::Format { .. })));
+        assert!(matches!(check_output_path(&folder.join("missing/a.png")), Err(CliError::Write { .. })));
         fs::create_dir(folder.join("b.png")).unwrap();
-        assert!(matches!(check_picture_path(&folder.join("b.png")), Err(CliError::Write { .. })));
+        assert!(matches!(check_output_path(&folder.join("b.png")), Err(CliError::Write { .. })));
         fs::remove_dir_all(folder).unwrap();
     }
 

@@ -1,12 +1,15 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_math::{Bias, Camera, Filter, ShadowSettings};
-use shadow_scene::{FramePlan, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import};
+use shadow_scene::{
+    FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
+};
 
 use crate::{
-    args::{BiasName, FilterName, PictureArgs},
+    args::{BiasName, FilterName, PictureArgs, SceneArgs},
     console::Console,
     error::CliError,
+    memory::Limit,
     specs::{CameraChoice, SceneSource, Selector, Show},
 };
 
@@ -25,10 +28,14 @@ pub(crate) struct Job {
     pub(crate) notes: Vec<String>,
     /// The camera's name; empty for one without a name.
     pub(crate) camera_name: String,
+    /// The camera.
+    pub(crate) camera: Camera,
     /// How lights are shadowed.
     pub(crate) settings: ShadowSettings,
     /// How the picture is made.
     pub(crate) plan: FramePlan,
+    /// The most memory that it may take.
+    pub(crate) limit: Limit,
 }
 
 impl Job {
@@ -37,16 +44,14 @@ impl Job {
     /// What does not need the scene is checked first.
     pub(crate) fn resolve(args: &PictureArgs, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args)?;
-        let (scene_name, scene) = load(args.scene.as_ref(), console)?;
+        let (scene_name, scene, limit) = load(&args.scene, console)?;
         let scene = with_chosen_lights(scene, args)?;
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
         let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
         notes.extend(plan.notes.iter().cloned());
-        for note in &notes {
-            console.note(note);
-        }
-        Ok(Self { scene_name, scene, notes, camera_name, settings, plan })
+        tell_notes(&notes, console);
+        Ok(Self { scene_name, scene, notes, camera_name, camera, settings, plan, limit })
     }
 
     /// The layer that is to be shown, once it is known that there is one.
@@ -114,19 +119,41 @@ fn settings(args: &PictureArgs) -> Result<ShadowSettings, CliError> {
     Ok(ShadowSettings { bias, filter, map_size: args.map_size, ..ShadowSettings::default() })
 }
 
-/// The scene and what it is called.
-fn load(source: Option<&SceneSource>, console: &Console) -> Result<(String, Scene), CliError> {
-    match source {
-        None => Ok(("builtin:demo".into(), builtin::demo())),
-        Some(SceneSource::Builtin(name)) => {
-            let scene = builtin::by_name(name).ok_or_else(|| CliError::Builtin { name: name.clone(), names: builtin::NAMES })?;
-            Ok((format!("builtin:{name}"), scene))
-        }
+/// Tells the notes about a scene.
+pub(crate) fn tell_notes(notes: &[String], console: &Console) {
+    for note in notes {
+        console.note(note);
+    }
+}
+
+/// What the scene is called, the scene, and the memory that everything about it may take.
+pub(crate) fn load(args: &SceneArgs, console: &Console) -> Result<(String, Scene, Limit), CliError> {
+    let limit = Limit::new(args.memory_limit);
+    let name = match &args.source {
+        None => "demo",
+        Some(SceneSource::Builtin(name)) => name,
         Some(SceneSource::File(path)) => {
             console.stage(format!("reading {}", path.display()));
-            Ok((path.display().to_string(), import(path)?))
+            let options = ImportOptions {
+                scene: args.part.clone(),
+                animation: args.animation.clone(),
+                time: args.time.unwrap_or(0.0),
+                memory_limit: limit.bytes,
+            };
+            let scene = import_with(path, &options).map_err(|error| match error {
+                error @ ImportError::Memory { .. } => CliError::ImportMemory(error),
+                error => error.into(),
+            })?;
+            return Ok((path.display().to_string(), scene, limit));
         }
+    };
+    // Ignoring a choice silently would draw something other than what was asked for.
+    let choices = [("--scene", args.part.is_some()), ("--animation", args.animation.is_some()), ("--time", args.time.is_some())];
+    if let Some((option, _)) = choices.iter().find(|(_, is_given)| *is_given) {
+        return Err(CliError::NotAFile { option, name: name.into() });
     }
+    let scene = builtin::by_name(name).ok_or_else(|| CliError::Builtin { name: name.into(), names: builtin::NAMES })?;
+    Ok((format!("builtin:{name}"), scene, limit))
 }
 
 /// The scene under the lights of the command line, if there are any.
@@ -219,5 +246,10 @@ mod tests {
         assert!(error.contains("no camera 7") && error.contains("1 camera"), "{error}");
         assert!(message("missing.glb").contains("missing.glb"));
         assert!(message("--exposure 99").contains("99"));
+        for option in ["--scene 0", "--animation Run", "--time 0"] {
+            let error = message(option);
+            let name = option.split(' ').next().unwrap();
+            assert!(error.contains(name) && error.contains("builtin:demo") && error.contains(".glb"), "{error}");
+        }
     }
 }

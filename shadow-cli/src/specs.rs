@@ -6,16 +6,21 @@ mod pairs;
 mod selector;
 mod light;
 mod camera;
+mod units;
+mod bytes;
 
 use std::{ffi::OsString, path::PathBuf, str::FromStr};
 
 use clap::ValueEnum;
+use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
 
 pub(crate) use self::{
-    camera::CameraChoice,
+    bytes::{ByteSize, bytes_text},
+    camera::{CameraChoice, spec_of},
     error::SpecError,
     light::LightSpec,
     selector::{Selector, inventory},
+    units::{bias_metres, exposure_value, seconds},
 };
 use crate::args::Backend;
 
@@ -35,11 +40,19 @@ impl FromStr for PictureSize {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_PICTURE_SIZE).contains(side));
+        let side = |text: &str| text.parse::<u64>().ok().filter(|&side| side > 0);
         let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
         let (width, height) = sides.ok_or_else(|| SpecError::Size(text.into()))?;
-        Ok(Self { width, height })
+        let too_large = |side| SpecError::SizeTooLarge { size: text.into(), side };
+        let checked = |side| u32::try_from(side).ok().filter(|&side| side <= MAX_PICTURE_SIZE).ok_or_else(|| too_large(side));
+        Ok(Self { width: checked(width)?, height: checked(height)? })
     }
+}
+
+/// The value of `--map-size`: texels, within the limits of [`shadow_math::settings`].
+pub(crate) fn map_size(text: &str) -> Result<u32, SpecError> {
+    let size = text.parse().ok().filter(|size| (MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(size));
+    size.ok_or_else(|| SpecError::MapSize(text.into()))
 }
 
 /// What `render` draws.
@@ -115,6 +128,22 @@ impl FromStr for BackendPair {
     }
 }
 
+/// One or both backends, in the order in which they were named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct BackendList(pub(crate) Vec<Backend>);
+
+impl FromStr for BackendList {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let failed = || SpecError::BackendList(text.into());
+        let backends = text.split(',').map(|name| Backend::from_str(name.trim(), false)).collect::<Result<Vec<_>, _>>();
+        let backends = backends.map_err(|_| failed())?;
+        let is_repeated = backends.iter().enumerate().any(|(index, backend)| backends[..index].contains(backend));
+        if is_repeated { Err(failed()) } else { Ok(Self(backends)) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,8 +152,17 @@ mod tests {
     fn sizes() {
         assert_eq!("1280x720".parse(), Ok(PictureSize { width: 1280, height: 720 }));
         assert_eq!("1X16384".parse(), Ok(PictureSize { width: 1, height: 16_384 }));
-        for bad in ["", "x", "1280", "0x720", "1280x0", "16385x1", "-1x5", "1x2x3", "1.5x2", "99999999999x1"] {
+        for bad in ["", "x", "1280", "0x720", "1280x0", "-1x5", "1x2x3", "1.5x2", "1920x1080px"] {
             assert_eq!(bad.parse::<PictureSize>(), Err(SpecError::Size(bad.into())));
+        }
+        for (bad, side) in [("16385x1", 16_385), ("1x99999999999", 99_999_999_999)] {
+            let error = bad.parse::<PictureSize>().unwrap_err();
+            assert_eq!(error, SpecError::SizeTooLarge { size: bad.into(), side });
+            assert!(error.to_string().contains("16384"), "{error}");
+        }
+        assert_eq!((map_size("16"), map_size("16384")), (Ok(16), Ok(16_384)));
+        for bad in ["15", "16385", "2k", "2048px", "-1", ""] {
+            assert_eq!(map_size(bad), Err(SpecError::MapSize(bad.into())));
         }
     }
 
@@ -156,6 +194,15 @@ mod tests {
         assert_eq!("gpu,gpu".parse::<BackendPair>(), Err(SpecError::SameBackend));
         for bad in ["cpu", "cpu,gpu,cpu", "cpu,trace", ""] {
             assert_eq!(bad.parse::<BackendPair>(), Err(SpecError::Backends(bad.into())));
+        }
+    }
+
+    #[test]
+    fn backends_come_in_lists_without_repetition() {
+        assert_eq!("gpu".parse(), Ok(BackendList(vec![Backend::Gpu])));
+        assert_eq!("gpu, cpu".parse(), Ok(BackendList(vec![Backend::Gpu, Backend::Cpu])));
+        for bad in ["", "cpu,cpu", "cpu,gpu,cpu", "cpu,", "trace"] {
+            assert_eq!(bad.parse::<BackendList>(), Err(SpecError::BackendList(bad.into())));
         }
     }
 }

@@ -1,10 +1,17 @@
 //! Buffers and their contents.
 
+use shadow_math::{
+    material::MaterialData,
+    plan::{LightPlan, ViewPlan},
+};
 use shadow_scene::{Scene, Surfaces};
 
-/// Creates a buffer with contents; never empty, since WebGPU cannot bind nothing.
+/// Creates a buffer with contents; never empty, since WebGPU cannot bind nothing, and wants room for one element of the
+/// array that a shader reads even where there are none, as in a scene without triangles.
 pub(crate) fn buffer_with(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
-    const SMALLEST: usize = 16;
+    const SMALLEST: usize = 512;
+    const LARGEST_ELEMENTS: [usize; 3] = [size_of::<MaterialData>(), size_of::<LightPlan>(), size_of::<ViewPlan>()];
+    const { assert!(LARGEST_ELEMENTS[0] <= SMALLEST && LARGEST_ELEMENTS[1] <= SMALLEST && LARGEST_ELEMENTS[2] <= SMALLEST) };
     let size = contents.len().max(SMALLEST).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT as usize);
     let buffer =
         device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: size as u64, usage, mapped_at_creation: true });

@@ -3,15 +3,15 @@
 use glam::{DVec3, Vec3};
 use shadow_math::{Camera, CameraError, Light, LightError, LightKind, Projection, bounds::Aabb};
 
-use crate::scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices};
+use crate::{
+    scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices},
+    source::SourceFacts,
+};
 
 /// Why a scene cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// There is nothing to draw.
-    #[error("the scene has no triangles, so there is nothing that could cast or catch a shadow")]
-    Empty,
     /// A position is not finite.
     #[error("`{instance}`: position {vertex} is {position}, which is not a finite point")]
     Position {
@@ -97,6 +97,9 @@ pub enum SceneError {
 /// The most triangles, and the most vertices, of a scene: three indices a triangle must still be countable in 32 bits.
 pub const MAX_ELEMENTS: u32 = u32::MAX / 3;
 
+/// Half the side of the cube, in metres, that stands for the bounds of a scene without triangles.
+const EMPTY_HALF_SIZE: f32 = 0.5;
+
 /// Triangles in world space, on their way into a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -141,6 +144,7 @@ pub struct SceneBuilder {
     lights: Vec<SceneLight>,
     cameras: Vec<SceneCamera>,
     notes: Vec<String>,
+    source: SourceFacts,
 }
 
 impl SceneBuilder {
@@ -158,6 +162,7 @@ impl SceneBuilder {
             lights: Vec::new(),
             cameras: Vec::new(),
             notes: Vec::new(),
+            source: SourceFacts::default(),
         }
     }
 
@@ -179,6 +184,12 @@ impl SceneBuilder {
         (self.images.len() - 1) as u32
     }
 
+    /// The images so far.
+    #[must_use]
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
     /// Adds a light.
     pub fn add_light(&mut self, name: impl Into<String>, light: Light) {
         self.lights.push(SceneLight { name: name.into(), light });
@@ -192,6 +203,11 @@ impl SceneBuilder {
     /// Adds a sentence that the program shows to the person who loaded the scene.
     pub fn add_note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
+    }
+
+    /// Says what there is in the file that the scene comes from.
+    pub fn set_source(&mut self, source: SourceFacts) {
+        self.source = source;
     }
 
     /// Adds triangles of one material.
@@ -241,13 +257,13 @@ impl SceneBuilder {
 
     /// Sorts the triangles, checks materials, lights and cameras, and adds a framing camera and a sun where there is none.
     ///
+    /// A scene may be without triangles, as files of points or lines are. Its picture is the background; its bounds are those
+    /// of a cube of 1 m around the origin, so that cameras and lights have something to be fitted to, and a note says so.
+    ///
     /// # Errors
     ///
     /// What [`Scene`] guarantees and the parts do not keep.
     pub fn build(mut self) -> Result<Scene, SceneError> {
-        if self.triangles.is_empty() {
-            return Err(SceneError::Empty);
-        }
         for (index, image) in self.images.iter().enumerate() {
             let texels = image.texels.len();
             if image.width == 0 || image.height == 0 || image.width as usize * image.height as usize != texels {
@@ -259,7 +275,11 @@ impl SceneBuilder {
                 return Err(SceneError::Missing { kind: "image", index: texture.image, count: self.images.len() });
             }
         }
-        let bounds = self.instances.iter().fold(Aabb::EMPTY, |bounds, instance| bounds.union(instance.bounds));
+        let mut bounds = self.instances.iter().fold(Aabb::EMPTY, |bounds, instance| bounds.union(instance.bounds));
+        if self.triangles.is_empty() {
+            bounds = Aabb::new(Vec3::splat(-EMPTY_HALF_SIZE), Vec3::splat(EMPTY_HALF_SIZE));
+            self.notes.insert(0, "nothing to draw: the scene has no triangles, and only they are drawn and cast shadows".into());
+        }
         let has_default_camera = self.cameras.is_empty();
         if has_default_camera {
             self.add_camera("framing", framing_camera(bounds));
@@ -291,6 +311,7 @@ impl SceneBuilder {
             has_default_camera,
             has_default_light,
             notes: self.notes,
+            source: self.source,
         })
     }
 }
@@ -421,7 +442,9 @@ mod tests {
         bad.vertices.uvs.pop();
         assert!(matches!(builder.add_instance("t", white, bad), Err(SceneError::Stream { other: 2, .. })));
         assert!(matches!(builder.add_instance("t", 7, one_triangle()), Err(SceneError::Missing { index: 7, .. })));
-        assert_eq!(builder.build().unwrap_err(), SceneError::Empty);
+        let scene = builder.build().unwrap();
+        assert!(scene.triangles().is_empty() && !scene.bounds().is_empty(), "what was refused is not in the scene");
+        assert!(scene.notes()[0].starts_with("nothing to draw"), "{:?}", scene.notes());
     }
 
     #[test]

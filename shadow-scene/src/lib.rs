@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 pub mod scene;
+pub mod source;
 pub mod builder;
 pub mod import;
 pub mod builtin;
@@ -21,6 +22,7 @@ pub mod compare;
 pub use builder::{Mesh, SceneBuilder, SceneError};
 pub use frame::{Frame, Layer, LayerName, NO_TRIANGLE, Pixels, Request, StageTimes};
 pub use frame_plan::{FramePlan, FramePlanError};
-pub use import::{ImportError, import};
+pub use import::{Choice, ImportError, ImportOptions, import, import_with};
 pub use scene::{Alpha, Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Texture, Vertices, Wrap};
+pub use source::{AnimationFacts, ImageFacts, SourceFacts};
 pub use surfaces::Surfaces;

@@ -9,6 +9,8 @@ use shadow_math::{
     triangle::{Ray, TrianglePoint, triangle_point, turned_to_viewer},
 };
 
+use crate::source::SourceFacts;
+
 /// Everything that is drawn, resolved: there is no hierarchy, no unit to convert and no default left to fill in.
 ///
 /// # Guarantees
@@ -35,6 +37,7 @@ pub struct Scene {
     pub(crate) has_default_camera: bool,
     pub(crate) has_default_light: bool,
     pub(crate) notes: Vec<String>,
+    pub(crate) source: SourceFacts,
 }
 
 /// The vertex streams: separate arrays, one entry per vertex in each.
@@ -262,7 +265,7 @@ impl Scene {
         &self.cameras
     }
 
-    /// The bounds of every triangle.
+    /// The bounds of every triangle; of a scene without triangles, a cube of 1 m around the origin.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
@@ -309,6 +312,12 @@ impl Scene {
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// What there is in the file that the scene came from; nothing for a scene that came from no file.
+    #[must_use]
+    pub fn source(&self) -> &SourceFacts {
+        &self.source
     }
 
     /// The same scene under other lights.

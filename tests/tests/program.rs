@@ -12,7 +12,7 @@ use shadow_gpu::DriverRules;
 use shadow_tests::renderers;
 
 /// The program, built once in the profile of the tests.
-fn program() -> &'static Path {
+pub(crate) fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
         // Tests run from the folder `deps` beside the programs of their profile.
@@ -31,22 +31,27 @@ fn program() -> &'static Path {
 }
 
 /// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         let path = env::temp_dir().join(format!("shadow-tests-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&path).expect("the temporary folder can be written");
         Self(path)
     }
 
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// Runs the program in the folder.
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         Command::new(program()).args(arguments).current_dir(&self.0).output().expect("the program runs")
     }
 
     /// Runs the program, which must succeed, and reads what it prints as JSON.
-    fn json(&self, arguments: &[&str]) -> Value {
+    pub(crate) fn json(&self, arguments: &[&str]) -> Value {
         let output = self.run(arguments);
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {stderr}");
@@ -54,7 +59,7 @@ impl Folder {
     }
 
     /// Runs the program, which must refuse, and gives its sentence.
-    fn refusal(&self, arguments: &[&str]) -> String {
+    pub(crate) fn refusal(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
@@ -63,11 +68,13 @@ impl Folder {
         stderr
     }
 
-    fn picture(&self, name: &str) -> image::RgbImage {
+    /// Reads a picture in it.
+    pub(crate) fn picture(&self, name: &str) -> image::RgbImage {
         image::open(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}")).into_rgb8()
     }
 
-    fn files(&self) -> Vec<String> {
+    /// The names in it, in order.
+    pub(crate) fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).expect("the folder can be read");
         let mut names: Vec<_> =
             entries.map(|entry| entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()).collect();
@@ -137,6 +144,38 @@ fn compare_reports_every_layer() {
 }
 
 #[test]
+fn bench_times_every_stage_of_both_backends() {
+    let folder = Folder::new("bench");
+    let sizes = ["--size", "64x36", "--map-size", "64", "--frames", "3", "--json"];
+    let report = folder.json(&[&["bench", "builtin:fence"], &sizes[..]].concat());
+    assert_eq!((report["frames"].as_u64(), report["map_size"].as_u64(), report["width"].as_u64()), (Some(3), Some(64), Some(64)));
+    assert!(report["triangles"].as_u64().is_some_and(|count| count > 0));
+    let backends = report["backends"].as_array().expect("there are backends");
+    assert_eq!(backends.iter().filter_map(|backend| backend["backend"].as_str()).collect::<Vec<_>>(), ["cpu", "gpu"]);
+    assert!(backends[0]["adapter"].is_null());
+    assert_eq!(backends[1]["adapter"], renderers::gpu().adapter().name);
+    for backend in backends {
+        for stage in ["shadow_maps", "camera", "shading", "total"] {
+            let median = backend["milliseconds"][stage].as_f64().expect("every stage has a median");
+            let of_spread = |field: &str| backend["spread"][stage][field].as_f64().expect("every stage has a spread");
+            assert!(median > 0.0 && of_spread("min") <= median && median <= of_spread("max"), "{stage} in {backend}");
+        }
+        for part in ["open", "prepare", "first_frame"] {
+            assert!(backend["milliseconds_once"][part].as_f64().is_some_and(|time| time > 0.0), "{part} in {backend}");
+        }
+        if cfg!(target_os = "linux") {
+            assert!(backend["peak_bytes"].as_u64().is_some_and(|bytes| bytes > 0), "{backend}");
+        }
+    }
+    assert!(report["ratios"]["total"].as_f64().is_some_and(|ratio| ratio > 0.0), "{report}");
+    assert!(report["ratios"]["of"].as_str().is_some_and(|of| of.starts_with("milliseconds of gpu divided by")), "{report}");
+    let alone = folder.json(&[&["bench", "builtin:fence", "--backends", "cpu", "--threads", "1"], &sizes[..]].concat());
+    assert!(alone["ratios"].is_null() && alone["backends"].as_array().is_some_and(|backends| backends.len() == 1));
+    assert_eq!(alone["backends"][0]["threads"], 1);
+    assert!(folder.files().is_empty(), "nothing is written: {:?}", folder.files());
+}
+
+#[test]
 fn the_plan_names_its_matrices_and_lengths() {
     let folder = Folder::new("plan");
     let light = "point:pos=0,3,0;cd=100;range=20";
@@ -157,6 +196,28 @@ fn devices_lists_the_adapter_of_the_tests() {
     assert!(report.to_string().contains(&name), "{name} in {report}");
 }
 
+/// Completions and manual pages know every command, and what they print is what a shell and man(1) read.
+#[test]
+fn completions_and_manual_pages_know_the_commands() {
+    let folder = Folder::new("completions");
+    let print = |arguments: &[&str]| {
+        let output = folder.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = print(&["completions", shell]);
+        for part in ["compare", "bench", "map-size"] {
+            assert!(script.contains(part), "`{part}` in the completions for {shell}");
+        }
+    }
+    let page = print(&["man"]);
+    for part in [".TH shadow 1", "shadow\\-bench(1)", "Exit codes"] {
+        assert!(page.contains(part), "`{part}` in {page}");
+    }
+    assert!(print(&["man", "bench"]).contains("\\-\\-frames"));
+}
+
 /// Every refusal names what is wrong and what to do instead, and leaves no file behind.
 #[test]
 fn wrong_requests_are_refused_with_a_sentence() {
@@ -164,6 +225,9 @@ fn wrong_requests_are_refused_with_a_sentence() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["render", "missing.glb"], &["missing.glb"]),
         (&["render", "--size", "0x10"], &["0x10", "16384"]),
+        (&["render", "--size", "20000x10"], &["20000", "16384", "smaller"]),
+        (&["render", "--bias-constant", "1cm"], &["1cm", "metres", "0.01"]),
+        (&["render", "--camera", "eye=1,1,1;target=0,0,0;fov=90deg"], &["90deg", "degrees"]),
         (&["render", "--map-size", "1"], &["16"]),
         (&["render", "--map-size", "100000"], &["16384"]),
         (&["render", "--bias", "none", "--bias-constant", "1"], &["--bias-constant"]),
@@ -176,9 +240,14 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["render", "--camera", "9"], &["9", "camera"]),
         (&["render", "--exposure", "nan"], &["nan"]),
         (&["render", "--show", "visibility:7"], &["7", "2 lights"]),
-        (&["render", "--output", "picture.bmp"], &["bmp", "png"]),
+        (&["render", "--output", "picture.bmp"], &["bmp", ".png", ".exr"]),
+        (&["man", "draw"], &["draw", "render", "compare"]),
+        (&["completions", "tcsh"], &["tcsh", "bash", "zsh"]),
         (&["render", "--backend", "gpu", "--adapter", "no such adapter"], &["no such adapter"]),
         (&["compare", "--backends", "cpu,cpu"], &["itself"]),
+        (&["bench", "--frames", "0"], &["10000"]),
+        (&["bench", "--backends", "tpu"], &["tpu", "cpu", "gpu"]),
+        (&["bench", "--backends", "cpu", "--adapter", "llvmpipe"], &["llvmpipe", "--backend"]),
     ];
     for (arguments, words) in cases {
         let sentence = folder.refusal(arguments).to_lowercase();
@@ -193,7 +262,7 @@ fn wrong_requests_are_refused_with_a_sentence() {
 #[test]
 fn help_teaches() {
     let folder = Folder::new("help");
-    for command in ["render", "compare", "plan"] {
+    for command in ["render", "compare", "bench", "plan"] {
         let output = folder.run(&[command, "--help"]);
         let help = String::from_utf8_lossy(&output.stdout);
         for part in ["Examples:", "--light", "--camera", "--map-size", "--bias", "lux", "cd"] {

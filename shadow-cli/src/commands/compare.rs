@@ -16,7 +16,7 @@ use crate::{
     backend::{RenderedFrame, rules_of},
     console::{Console, print, print_json, table, to_json},
     error::CliError,
-    memory,
+    memory::{self, Work},
     output::{file_name, make_folder, write_picture, write_text},
     picture::{difference, pictures},
     resolve::Job,
@@ -97,7 +97,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
     let job = Job::resolve(&args.picture, &console)?;
     let backends = [args.backends.first, args.backends.second];
-    memory::check(&job.plan, backends.iter().map(|backend| backend.copies()).sum())?;
+    memory::check(&job, Work::Compare(backends))?;
     if let Some(folder) = &args.output {
         make_folder(folder)?;
     }

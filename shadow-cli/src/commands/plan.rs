@@ -14,6 +14,7 @@ use crate::{
     console::{Console, print, print_json, table},
     error::CliError,
     resolve::{Job, view_names},
+    specs::spec_of,
 };
 
 /// The rows of a matrix that multiplies column vectors.
@@ -39,6 +40,11 @@ struct Report<'a> {
 #[derive(Debug, Serialize)]
 struct CameraReport<'a> {
     name: &'a str,
+    /// The camera as `--camera` takes it; null where there is no such description.
+    spec: Option<String>,
+    /// Whether the description shows the same; a rolled camera's does not.
+    #[serde(skip)]
+    is_level: bool,
     width: u32,
     height: u32,
     /// From metres relative to the origin to clip space with reversed depth.
@@ -101,6 +107,7 @@ impl<'a> Report<'a> {
     fn of(job: &'a Job) -> Self {
         let camera = &job.plan.camera;
         let lights = job.scene.lights().iter().zip(&job.plan.lights).enumerate();
+        let written = spec_of(&job.camera, job.scene.origin(), job.scene.bounds());
         Self {
             scene: &job.scene_name,
             notes: &job.notes,
@@ -110,6 +117,8 @@ impl<'a> Report<'a> {
             map_size: job.plan.map_size,
             camera: CameraReport {
                 name: &job.camera_name,
+                is_level: written.as_ref().is_some_and(|written| written.is_level),
+                spec: written.map(|written| written.text),
                 width: camera.width,
                 height: camera.height,
                 clip_from_world: [camera.clip_x, camera.clip_y, camera.clip_z, camera.clip_w],
@@ -182,7 +191,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
 
 /// The report for people.
 fn text(report: &Report<'_>) -> String {
-    let CameraReport { name, width, height, .. } = &report.camera;
+    let CameraReport { name, spec, is_level, width, height, .. } = &report.camera;
     let mut text = format!(
         "{}: {} triangles, camera `{name}`, {width} x {height} pixels at EV {:.1}, shadow maps of {size} x {size} texels\n",
         report.scene,
@@ -208,6 +217,10 @@ fn text(report: &Report<'_>) -> String {
         }
     }
     text.push_str(&table(&rows, |column| !(3..=5).contains(&column)));
+    if let Some(spec) = spec {
+        let roll = if *is_level { "" } else { " (which is level, as this one is not)" };
+        text.push_str(&format!("to vary the camera, begin with --camera '{spec}'{roll}\n"));
+    }
     text.push_str("--json has the matrices and the bounds on rounding\n");
     text
 }

@@ -6,12 +6,12 @@ use shadow_scene::StageTimes;
 
 use super::Verdict;
 use crate::{
-    args::{Backend, RenderArgs},
-    backend::RenderedFrame,
-    console::{Console, print, print_json},
+    args::RenderArgs,
+    backend::{RenderedFrame, check_machine},
+    console::{Console, count, print, print_json},
     error::CliError,
-    memory,
-    output::{check_picture_path, write_picture},
+    memory::{self, Work},
+    output::{Format, check_output_path, write_layer, write_picture},
     picture::pictures,
     resolve::{Job, request_for},
 };
@@ -53,18 +53,23 @@ impl From<StageTimes> for Milliseconds {
 
 /// Renders the picture and writes it.
 pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
-    check_picture_path(&args.output)?;
+    let format = check_output_path(&args.output)?;
     let console = Console::new(args.json);
-    check_machine(args, &console)?;
+    check_machine(&args.machine, &[args.backend], &console)?;
     let job = Job::resolve(&args.picture, &console)?;
     let layer = job.layer(&args.show)?;
-    memory::check(&job.plan, args.backend.copies())?;
+    memory::check(&job, Work::Render(args.backend, layer, format))?;
 
     let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
-    let [picture] = pictures([shown], &job.plan);
     console.stage(format!("writing {}", args.output.display()));
-    write_picture(&args.output, &picture)?;
+    match format {
+        Format::Png => {
+            let [picture] = pictures([shown], &job.plan);
+            write_picture(&args.output, &picture)?;
+        }
+        Format::Exr => write_layer(&args.output, shown)?,
+    }
     console.finish();
 
     let report = Report {
@@ -82,26 +87,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     Ok(Verdict::Done)
 }
 
-/// Refuses an adapter that would not be used, and says where threads are not.
-fn check_machine(args: &RenderArgs, console: &Console) -> Result<(), CliError> {
-    match (args.backend, &args.machine.adapter) {
-        (Backend::Cpu, Some(adapter)) => return Err(CliError::AdapterOfCpu(adapter.clone())),
-        (Backend::Gpu, _) if args.machine.threads != 0 => console.note("--threads has no effect on the gpu backend"),
-        _ => {}
-    }
-    Ok(())
-}
-
 /// The report for people.
 fn sentences(report: &Report<'_>, job: &Job, rendered: &RenderedFrame, layer: &str) -> String {
     let Report { scene, triangles, width, height, output, milliseconds, .. } = report;
     let Milliseconds { prepare, shadow_maps, camera, shading, total } = milliseconds;
     let machine =
         rendered.adapter.as_ref().map_or_else(|| "the CPU".into(), |adapter| format!("the GPU backend ({})", adapter.name));
-    let lights = match job.scene.lights().len() {
-        1 => "1 light".into(),
-        count => format!("{count} lights"),
-    };
+    let lights = count(job.scene.lights().len(), "light");
     format!(
         "wrote {output}: the {layer} of {scene} ({triangles} triangles, {lights}), {width} x {height} pixels, by {machine}\n\
          {total:.1} ms: shadow maps {shadow_maps:.1} ms, camera {camera:.1} ms, shading {shading:.1} ms (and once {prepare:.1} ms to prepare the scene)\n"

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use glam::DVec3;
-use shadow_math::{Camera, CameraError, Projection};
+use shadow_math::{Camera, CameraError, Projection, bounds::Aabb};
 
 use super::{Selector, SpecError, pairs::Pairs};
 
@@ -65,6 +65,41 @@ impl CameraSpec {
     }
 }
 
+/// A camera of a scene as `--camera` takes it, to be copied and varied.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WrittenCamera {
+    /// The description.
+    pub(crate) text: String,
+    /// Whether the description shows the same: a camera that is rolled about its axis has none.
+    pub(crate) is_level: bool,
+}
+
+/// Describes a perspective camera, which lies relative to `origin`, in a scene of these bounds; there is no description of parallel rays.
+pub(crate) fn spec_of(camera: &Camera, origin: DVec3, bounds: Aabb) -> Option<WrittenCamera> {
+    let Projection::Perspective { vertical_fov, .. } = camera.projection else { return None };
+    let radius = f64::from(bounds.radius()).max(f64::from(f32::MIN_POSITIVE));
+    // The target is the point of the axis nearest to the middle of the scene, so that moving the eye turns around what is seen.
+    let middle = (bounds.center().as_dvec3() - camera.eye).dot(camera.direction());
+    let target = camera.eye + camera.direction() * middle.max(0.1 * radius);
+    // A millionth of the scene is far less than a pixel.
+    let decimals = (6.0 - radius.log10().ceil()).clamp(0.0, 12.0) as usize;
+    let point = |point: DVec3| (point + origin).to_array().map(|coordinate| shortest(coordinate, decimals)).join(",");
+    let fov = shortest(vertical_fov.to_degrees(), 4);
+    let text = format!("eye={};target={};fov={fov}", point(camera.eye), point(target));
+    let level = Camera::look_at(camera.eye, target, camera.projection).ok()?;
+    /// The largest sine of an angle of roll that nobody sees: 0.06 degrees, a pixel at a thousand pixels from the centre.
+    const MAX_ROLL: f64 = 1e-3;
+    let is_level = (level.orientation * DVec3::X - camera.orientation * DVec3::X).length() < MAX_ROLL;
+    Some(WrittenCamera { text, is_level })
+}
+
+/// A number with at most so many decimals and no zeros at the end.
+fn shortest(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,5 +128,31 @@ mod tests {
         };
         assert_eq!(place("eye=1,2,3;target=1,2,3"), Err(CameraError::Direction));
         assert!(matches!(place("eye=1,2,3;target=0,0,0;fov=180"), Err(CameraError::FieldOfView(_))));
+    }
+
+    #[test]
+    fn a_written_camera_is_the_camera() {
+        let origin = DVec3::new(500.0, 0.0, -20.0);
+        let bounds = Aabb::from_points([glam::Vec3::splat(-3.0), glam::Vec3::splat(3.0)]);
+        let projection = Projection::Perspective { vertical_fov: 0.7, near: 0.1, far: Some(100.0) };
+        let camera = Camera::look_at(DVec3::new(4.0, 2.0, 6.0), DVec3::new(0.1, 1.0, 0.2), projection).unwrap();
+        let written = spec_of(&camera, origin, bounds).unwrap();
+        assert!(written.is_level);
+        let Ok(CameraChoice::Placed(spec)) = written.text.parse() else { panic!("{}", written.text) };
+        let read = spec.to_camera(origin, f64::from(bounds.radius())).unwrap();
+        assert!((read.eye - camera.eye).length() < 1e-5, "{}", written.text);
+        assert!((read.direction() - camera.direction()).length() < 1e-5, "{}", written.text);
+        let Projection::Perspective { vertical_fov, .. } = read.projection else { panic!("not perspective") };
+        assert!((vertical_fov - 0.7).abs() < 1e-5);
+
+        let rolled = Camera { orientation: camera.orientation * glam::DQuat::from_rotation_z(0.1), ..camera };
+        assert!(!spec_of(&rolled, origin, bounds).unwrap().is_level);
+        let projection = Projection::Orthographic { half_height: 1.0, near: 0.0, far: 10.0 };
+        assert_eq!(spec_of(&Camera { projection, ..camera }, origin, bounds), None);
+    }
+
+    #[test]
+    fn written_numbers_are_short() {
+        assert_eq!((shortest(1.5, 4), shortest(-0.00001, 3), shortest(100.0, 0)), ("1.5".into(), "0".into(), "100".into()));
     }
 }

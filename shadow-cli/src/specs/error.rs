@@ -1,5 +1,7 @@
 //! Why a value of the command line cannot be read.
 
+use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
+
 use super::MAX_PICTURE_SIZE;
 
 /// Why a value of the command line cannot be read.
@@ -8,6 +10,37 @@ pub(crate) enum SpecError {
     /// Not a width and a height.
     #[error("`{0}` is not a size; write width and height in pixels, each from 1 to {MAX_PICTURE_SIZE}, such as 1280x720")]
     Size(String),
+    /// A side of a picture beyond the limit.
+    #[error(
+        "`{size}`: {side} pixels are more than the limit of {MAX_PICTURE_SIZE} on a side, which is what graphics adapters hold; choose a smaller one"
+    )]
+    SizeTooLarge {
+        /// What was typed.
+        size: String,
+        /// The side that is too large, in pixels.
+        side: u64,
+    },
+    /// Not a size of shadow maps.
+    #[error("`{0}` is not a size of shadow maps; write a number of texels from {MIN_MAP_SIZE} to {MAX_MAP_SIZE}, such as 2048")]
+    MapSize(String),
+    /// Not an amount of memory.
+    #[error("`{0}` is not an amount of memory; write a number above 0 with KiB, MiB, GiB or TiB, such as 6GiB, or one of bytes")]
+    Memory(String),
+    /// A number with a unit, where a number is enough.
+    #[error("`{typed}`: write the number without a unit; {what} {is_in}, {meant}")]
+    Unit {
+        /// What was typed.
+        typed: String,
+        /// What the number measures.
+        what: String,
+        /// The unit that it has anyway: "is in metres".
+        is_in: &'static str,
+        /// The number that was meant, or an example.
+        meant: String,
+    },
+    /// Not a number.
+    #[error("`{0}` is not a number")]
+    NotANumber(String),
     /// Not a layer.
     #[error("there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]]")]
     Layer(String),
@@ -74,6 +107,9 @@ pub(crate) enum SpecError {
     /// Not two backends.
     #[error("`{0}` is not a pair of backends; write exactly two of cpu and gpu, such as cpu,gpu")]
     Backends(String),
+    /// Not a list of backends.
+    #[error("`{0}` is not a list of backends; write cpu, gpu or both, each at most once, such as cpu,gpu")]
+    BackendList(String),
     /// The same backend twice.
     #[error("comparing a backend with itself proves nothing; name two different ones, such as cpu,gpu")]
     SameBackend,

@@ -157,6 +157,12 @@ mod tests {
         assert_eq!(light_error("point:pos=1,2,z;cd=1"), "`pos=1,2,z`: `z` is not a finite number");
         assert_eq!(light_error("point:pos=1,2,3;cd=inf"), "`cd=inf`: `inf` is not a finite number");
         assert_eq!(
+            light_error("point:pos=0,250cm,0;cd=1"),
+            "`pos=0,250cm,0`: write the number without a unit; pos is in metres, here 2.5"
+        );
+        assert!(light_error("spot:pos=0,1,0;dir=0,-1,0;outer=30deg;cd=1").ends_with("outer is in degrees, here 30"));
+        assert!(light_error("directional:dir=0,-1m,0;lux=1").contains("dir has no unit"));
+        assert_eq!(
             light_error("point:pos=1,2,3;bright"),
             "`bright` is not KEY=VALUE; a point light takes: pos, cd, range, color"
         );

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 
-use super::SpecError;
+use super::{
+    SpecError,
+    units::{Unit, unit_error},
+};
 
 /// The values of a description such as `eye=1,2,3;fov=40`, by their keys.
 pub(super) struct Pairs<'a> {
@@ -66,6 +69,9 @@ impl<'a> Pairs<'a> {
 
 /// A finite number.
 fn number(key: &'static str, value: &str, part: &str) -> Result<f64, SpecError> {
-    let failed = || SpecError::Number { key, value: value.into(), part: part.into() };
+    let failed = || {
+        let not_finite = || SpecError::Number { key, value: value.into(), part: part.into() };
+        unit_error(part, &format!("{key}={value}"), key, Unit::of_key(key)).unwrap_or_else(not_finite)
+    };
     part.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(failed)
 }

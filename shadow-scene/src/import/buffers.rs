@@ -1,26 +1,31 @@
 //! Buffers and the views into them, every length checked against the bytes there really are.
 
-use core::fmt::Display;
+use core::{cell::OnceCell, fmt::Display};
 use std::borrow::Cow;
 
-use super::{document::Document, error::Result, uri::Folder};
-
-/// The most bytes of all buffers together. A file may name one large buffer any number of times.
-const MAX_BYTES: u64 = 1 << 32;
+use super::{
+    budget::{Budget, Use},
+    document::Document,
+    error::Result,
+    meshopt,
+    uri::Folder,
+};
 
 /// The contents of a file's buffers.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     /// `None` for a buffer that the file leaves to others to fill.
     contents: Vec<Option<Cow<'a, [u8]>>>,
+    /// The contents of compressed buffer views, once they have been asked for; `None` for views that are not compressed.
+    decompressed: Vec<OnceCell<Option<Vec<u8>>>>,
+    budget: &'a Budget,
 }
 
 impl<'a> Buffers<'a> {
     /// Loads every buffer; each is then exactly as long as its `byteLength`.
     ///
     /// `bin` is what the binary container holds.
-    pub(super) fn load(document: &Document, folder: Folder<'_>, bin: Option<&'a [u8]>) -> Result<Self> {
-        let mut total = 0_u64;
+    pub(super) fn load(document: &Document, folder: Folder<'a>, bin: Option<&'a [u8]>) -> Result<Self> {
         let mut contents = Vec::new();
         for (i, buffer) in document.root.buffers.iter().enumerate() {
             let length = buffer.byte_length.0;
@@ -28,15 +33,9 @@ impl<'a> Buffers<'a> {
             if length == 0 {
                 return Err(fail(&"a buffer must have at least 1 byte; export the file again"));
             }
-            total = total.saturating_add(length);
-            if total > MAX_BYTES {
-                return Err(fail(&format_args!(
-                    "with it the buffers have {total} bytes; at most {MAX_BYTES} are read: draw a part of the scene"
-                )));
-            }
             contents.push(match (&buffer.uri, bin) {
                 (Some(uri), _) => {
-                    let mut bytes = folder.read(document, uri, Some(length), format_args!("buffers[{i}]"))?;
+                    let mut bytes = folder.read(document, uri, Use::Buffers, Some(length), format_args!("buffers[{i}]"))?;
                     bytes.truncate(length as usize);
                     Some(Cow::Owned(bytes))
                 }
@@ -46,11 +45,36 @@ impl<'a> Buffers<'a> {
                 (None, _) => None,
             });
         }
-        Ok(Self { contents })
+        let decompressed = vec![OnceCell::new(); document.root.buffer_views.len()];
+        Ok(Self { contents, decompressed, budget: folder.budget })
+    }
+
+    /// The memory that the import may take.
+    pub(super) fn budget(&self) -> &'a Budget {
+        self.budget
+    }
+
+    /// The bytes of a buffer; `None` if there are none, or no such buffer.
+    pub(super) fn content(&self, buffer: usize) -> Option<&[u8]> {
+        self.contents.get(buffer)?.as_deref()
+    }
+
+    /// The content of a compressed buffer view, which is decompressed when it is asked for first; `None` for others.
+    fn decompressed(&self, document: &Document, view: usize) -> Result<Option<&[u8]>> {
+        // `Document` guarantees the index of a view.
+        let cell = &self.decompressed[view];
+        if cell.get().is_none() {
+            // Nothing else fills the cell meanwhile.
+            let _ = cell.set(meshopt::decode(document, self, view)?);
+        }
+        Ok(cell.get().and_then(Option::as_deref))
     }
 
     /// The bytes of a buffer view. `place` is what uses it.
     pub(super) fn view(&self, document: &Document, view: usize, place: impl Display) -> Result<&[u8]> {
+        if let Some(bytes) = self.decompressed(document, view)? {
+            return Ok(bytes);
+        }
         // `Document` guarantees both indices, and `load` that there is a content for each buffer.
         let json = &document.root.buffer_views[view];
         let Some(buffer) = &self.contents[json.buffer.value()] else {

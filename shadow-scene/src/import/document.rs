@@ -5,10 +5,23 @@ use core::fmt::Display;
 use gltf::json::{Root, mesh::Semantic, validation};
 use serde_json::Value;
 
-use super::error::{ImportError, Result};
+use super::{
+    error::{ImportError, Result},
+    options::Choice,
+};
 
 /// Extensions whose every effect that matters here is imported.
-const SUPPORTED: &[&str] = &["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
+const SUPPORTED: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+];
 
 /// Extensions that change only how a surface is shaded: without them the shadows are the same, so that a file which
 /// requires them is drawn all the same, with a note.
@@ -30,14 +43,10 @@ const SHADING_ONLY: &[&str] = &[
 /// What to do about an extension that is required but not supported.
 fn advice(extension: &str) -> &'static str {
     match extension {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" => {
-            "decompress the file with `gltf-transform copy input.glb output.glb`"
-        }
         "KHR_texture_basisu" => "decode its textures with `gltf-transform ktxdecompress input.glb output.glb`",
         "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
             "convert its textures with `gltf-transform png input.glb output.glb`"
         }
-        "KHR_materials_pbrSpecularGlossiness" => "convert its materials with `gltf-transform metalrough input.glb output.glb`",
         _ => "export the file without it",
     }
 }
@@ -55,6 +64,8 @@ pub(super) struct Document {
     pub(super) root: Root,
     /// The same document as it was written: doubles for transforms, and extensions that [`Root`] has no type for.
     raw: Value,
+    /// For each animation, the number in the file of each channel that was kept.
+    channel_numbers: Vec<Vec<usize>>,
     file: String,
 }
 
@@ -64,13 +75,13 @@ impl Document {
         let mut raw: Value = serde_json::from_slice(json).map_err(|source| ImportError::Json { file: file.into(), source })?;
         check_version(file, &raw)?;
         check_required_extensions(file, &raw)?;
-        supply_what_root_demands(&mut raw);
+        let channel_numbers = supply_what_root_demands(&mut raw);
         let root: Root = serde_path_to_error::deserialize(&raw).map_err(|error| ImportError::Invalid {
             file: file.into(),
             place: error.path().to_string(),
             problem: error.inner().to_string(),
         })?;
-        let document = Self { root, raw, file: file.into() };
+        let document = Self { root, raw, channel_numbers, file: file.into() };
         document.validate()?;
         Ok(document)
     }
@@ -83,6 +94,26 @@ impl Document {
     /// An error about a place in the file.
     pub(super) fn invalid(&self, place: impl Display, problem: impl Display) -> ImportError {
         ImportError::Invalid { file: self.file.clone(), place: place.to_string(), problem: problem.to_string() }
+    }
+
+    /// The number in the file of a channel of an animation, for messages.
+    pub(super) fn channel_number(&self, animation: usize, channel: usize) -> usize {
+        self.channel_numbers.get(animation).and_then(|numbers| numbers.get(channel)).copied().unwrap_or(channel)
+    }
+
+    /// An extension of a buffer view as it was written.
+    pub(super) fn view_extension(&self, view: usize, extension: &str) -> Option<&Value> {
+        self.raw.get("bufferViews")?.get(view)?.get("extensions")?.get(extension)
+    }
+
+    /// An extension of a primitive as it was written.
+    pub(super) fn primitive_extension(&self, mesh: usize, primitive: usize, extension: &str) -> Option<&Value> {
+        self.raw.get("meshes")?.get(mesh)?.get("primitives")?.get(primitive)?.get("extensions")?.get(extension)
+    }
+
+    /// An extension of a material as it was written.
+    pub(super) fn material_extension(&self, material: usize, extension: &str) -> Option<&Value> {
+        self.raw.get("materials")?.get(material)?.get("extensions")?.get(extension)
     }
 
     /// A property of a node as it was written.
@@ -104,6 +135,37 @@ impl Document {
     /// The extensions that the file uses and that are left out.
     pub(super) fn ignored_extensions(&self) -> impl Iterator<Item = &str> {
         self.root.extensions_used.iter().map(String::as_str).filter(|name| !SUPPORTED.contains(name))
+    }
+
+    /// The scene that is drawn: the one that is chosen, or the default one, or the first; `None` if there is none.
+    pub(super) fn scene(&self, choice: Option<&Choice>) -> Result<Option<usize>> {
+        let scenes = &self.root.scenes;
+        match choice {
+            Some(choice) => self.choose("scene", choice, scenes.iter().map(|scene| scene.name.as_deref())).map(Some),
+            // `validate` has seen that the default scene exists.
+            None => Ok(self.root.scene.map(|scene| scene.value()).or((!scenes.is_empty()).then_some(0))),
+        }
+    }
+
+    /// The number of a chosen thing. `what` it is in a word, and `names` the names of all there are.
+    pub(super) fn choose<'a>(
+        &self,
+        what: &'static str,
+        choice: &Choice,
+        names: impl Iterator<Item = Option<&'a str>> + Clone,
+    ) -> Result<usize> {
+        let found = match choice {
+            Choice::Index(index) => Some(*index).filter(|&index| index < names.clone().count()),
+            Choice::Name(wanted) => names.clone().position(|name| name == Some(wanted)),
+        };
+        found.ok_or_else(|| {
+            let known: Vec<String> = names
+                .enumerate()
+                .map(|(index, name)| name.map_or_else(|| index.to_string(), |name| format!("{index} (`{name}`)")))
+                .collect();
+            let choice = choice.to_string();
+            ImportError::Choice { file: self.file.clone(), what, choice, known: known.join(", ") }
+        })
     }
 
     /// The checks of the `gltf` crate, and before them those it forgets.
@@ -222,13 +284,25 @@ fn check_required_extensions(file: &str, raw: &Value) -> Result<()> {
     Ok(())
 }
 
-/// Makes valid files acceptable to [`Root`], which demands more than glTF does.
-fn supply_what_root_demands(raw: &mut Value) {
+/// Makes valid files acceptable to [`Root`], which demands more than glTF does. The result has, for each animation, the
+/// number that each of its channels had before.
+fn supply_what_root_demands(raw: &mut Value) -> Vec<Vec<usize>> {
     // A channel must name a node; glTF has those without one ignored.
+    let mut channel_numbers = Vec::new();
     for animation in raw.get_mut("animations").and_then(Value::as_array_mut).into_iter().flatten() {
+        let mut kept = Vec::new();
         if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
-            channels.retain(|channel| channel["target"].get("node").is_some() || !channel["target"].is_object());
+            let mut number = 0;
+            channels.retain(|channel| {
+                let keep = channel["target"].get("node").is_some() || !channel["target"].is_object();
+                if keep {
+                    kept.push(number);
+                }
+                number += 1;
+                keep
+            });
         }
+        channel_numbers.push(kept);
     }
     // A scene must list its nodes, even if it has none.
     for scene in raw.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
@@ -236,6 +310,7 @@ fn supply_what_root_demands(raw: &mut Value) {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }
     }
+    channel_numbers
 }
 
 /// The accessor of an attribute of a primitive.

@@ -79,6 +79,50 @@ pub enum ImportError {
         /// What the operating system says.
         source: io::Error,
     },
+    /// A scene or an animation is chosen that the file does not have.
+    #[error("{file}: there is no {what} {choice}; {}", choice_hint(what, known))]
+    Choice {
+        /// The file.
+        file: String,
+        /// "scene" or "animation".
+        what: &'static str,
+        /// What was chosen.
+        choice: String,
+        /// What there is, in words; empty if there is nothing.
+        known: String,
+    },
+    /// The time of the pose is not a time.
+    #[error("{file}: the pose at {time} s cannot be drawn; a time is a number of seconds, 0 or more")]
+    Time {
+        /// The file.
+        file: String,
+        /// The time in seconds.
+        time: f64,
+    },
+    /// The pose at a time is asked for, but nothing in the file moves.
+    #[error("{file}: the pose at {time} s cannot be drawn, because the file has no animations; leave out the time")]
+    NoAnimation {
+        /// The file.
+        file: String,
+        /// The time in seconds.
+        time: f64,
+    },
+    /// The import would take more memory than it may.
+    #[error("{file}: {place}with these {what} the import takes {} MiB, but its memory limit is {} MiB; raise the limit, or {advice}", needed.div_ceil(MIB), limit / MIB)]
+    Memory {
+        /// The file.
+        file: String,
+        /// The JSON path of what needs it, with a colon and a space behind it; empty for the file itself.
+        place: String,
+        /// "buffers", "meshes" or "textures".
+        what: &'static str,
+        /// How many bytes the import would have taken with it.
+        needed: u64,
+        /// The limit in bytes.
+        limit: u64,
+        /// What to do other than to raise the limit.
+        advice: &'static str,
+    },
     /// What the file contains makes no scene.
     #[error("{file}: {source}")]
     Scene {
@@ -88,6 +132,9 @@ pub enum ImportError {
         source: Box<SceneError>,
     },
 }
+
+/// Bytes of a mebibyte.
+const MIB: u64 = 1 << 20;
 
 /// The result of a step of the import.
 pub(super) type Result<T> = core::result::Result<T, ImportError>;
@@ -100,4 +147,9 @@ fn read_hint(error: &io::Error) -> &'static str {
         io::ErrorKind::PermissionDenied => "; ask for the right to read it, or copy it",
         _ => "",
     }
+}
+
+/// What to choose instead of what there is not.
+fn choice_hint(what: &str, known: &str) -> String {
+    if known.is_empty() { format!("the file has no {what}s: choose none") } else { format!("choose one of {known}") }
 }

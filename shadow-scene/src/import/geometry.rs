@@ -1,6 +1,4 @@
-//! Meshes: primitives read, deformed into their rest pose, and placed in the world.
-
-use core::fmt::Display;
+//! Meshes: primitives read, deformed into their pose, and placed in the world.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use gltf::json::{
@@ -10,8 +8,11 @@ use gltf::json::{
 
 use super::{
     accessor::{Accessor, Format},
+    animation::Pose,
+    attributes::{Source, open_parallel},
+    budget::Use,
     buffers::Buffers,
-    document::{Document, attribute},
+    document::Document,
     error::Result,
     instancing,
     materials::UvSource,
@@ -20,10 +21,17 @@ use super::{
     skin::Skin,
 };
 
-/// The most vertices, and the most triangles, of all instances together: some 5 GB of them.
-///
-/// A file of a few kilobytes can draw one mesh any number of times, so that its length limits nothing.
-const MAX_ELEMENTS: u64 = 1 << 26;
+/// Bytes that a vertex takes: as a [`Part`], and as a vertex of the scene.
+const VERTEX_BYTES: u64 = (size_of::<DVec3>() + size_of::<Vec3>() + 24 + 2 * size_of::<Vec3>() + 24) as u64;
+
+/// Bytes that a triangle takes: as a [`Part`], in the scene with its material, and while the scene sorts them.
+const TRIANGLE_BYTES: u64 = 12 + 16 + 16;
+
+/// Bytes that an index takes while triangles are made of it.
+const INDEX_BYTES: u64 = 4;
+
+/// Bytes that a corner of a triangle takes before it is known which vertices the triangles use.
+const CORNER_BYTES: u64 = 3 * 4;
 
 /// A primitive in the world, in double precision, since the scene's origin is chosen when all of them are known.
 #[derive(Debug)]
@@ -47,24 +55,34 @@ pub(super) struct Part {
 }
 
 /// Reads what the drawn nodes show.
-pub(super) fn collect(document: &Document, buffers: &Buffers<'_>, hierarchy: &Hierarchy, notes: &mut Notes) -> Result<Vec<Part>> {
-    let mut reader = Reader { document, buffers, notes, vertices: 0, triangles: 0 };
+pub(super) fn collect(
+    document: &Document,
+    buffers: &Buffers<'_>,
+    hierarchy: &Hierarchy,
+    pose: &Pose,
+    notes: &mut Notes,
+) -> Result<Vec<Part>> {
+    let mut reader = Reader { document, buffers, notes };
     let mut parts = Vec::new();
-    for &node in &hierarchy.drawn {
+    for node in hierarchy.visible() {
         // `Document` guarantees the indices; drawn nodes are placed.
         let json = &document.root.nodes[node];
         let (Some(mesh), Some(world_from_node)) = (json.mesh, hierarchy.world_from_node(node)) else { continue };
         let mesh_json = &document.root.meshes[mesh.value()];
         let skin = json.skin.map(|skin| Skin::read(document, buffers, hierarchy, skin.value())).transpose()?;
         let world_from_instances = instancing::world_from_instances(document, buffers, node, world_from_node)?;
-        let weights = json.weights.as_ref().or(mesh_json.weights.as_ref()).map_or(&[][..], Vec::as_slice);
+        let weights = match pose.node(node).and_then(|pose| pose.weights.as_ref()) {
+            Some(weights) => weights.clone(),
+            None => json.weights.iter().chain(&mesh_json.weights).next().into_iter().flatten().copied().map(f64::from).collect(),
+        };
         let name = json.name.as_ref().or(mesh_json.name.as_ref()).cloned().unwrap_or_default();
         for (i, primitive) in mesh_json.primitives.iter().enumerate() {
             let place = format!("meshes[{mesh}].primitives[{i}]");
-            let Some(local) = reader.read(primitive, &place, weights, world_from_instances.len())? else { continue };
+            let source = Source::open(document, buffers, mesh.value(), i)?;
+            let Some(local) = reader.read(&source, &weights, world_from_instances.len())? else { continue };
             let material = primitive.material.map(|material| material.value());
             let blended = match &skin {
-                Some(skin) => skin.world_from_vertices(document, buffers, primitive, &local.sources, &place)?,
+                Some(skin) => skin.world_from_vertices(document, &source, &local.sources)?,
                 None => None,
             };
             if let Some(world_from_vertices) = blended {
@@ -103,49 +121,40 @@ struct Reader<'a, 'b> {
     document: &'a Document,
     buffers: &'a Buffers<'b>,
     notes: &'a mut Notes,
-    /// Vertices so far, over all instances.
-    vertices: u64,
-    /// Triangles so far, over all instances.
-    triangles: u64,
 }
 
 impl<'a> Reader<'a, '_> {
-    /// Reads a primitive; `None` if it has nothing to draw. `place` is its JSON path.
-    fn read(&mut self, primitive: &Primitive, place: &str, weights: &[f32], instances: usize) -> Result<Option<Local>> {
+    /// Reads a primitive; `None` if it has nothing to draw.
+    fn read(&mut self, source: &Source<'_>, weights: &[f64], instances: usize) -> Result<Option<Local>> {
+        let (primitive, place) = (source.primitive, source.place.as_str());
         // `Document` guarantees that it is valid.
         let Checked::Valid(mode) = primitive.mode else { return Ok(None) };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             self.notes.points_or_lines += 1;
             return Ok(None);
         }
-        let Some(positions) = attribute(primitive, Semantic::Positions) else {
+        let Some(positions) = source.attribute(Semantic::Positions, Format::VECTOR, None)? else {
             self.notes.without_positions += 1;
             return Ok(None);
         };
-        if self.document.root.accessors[positions].buffer_view.is_none()
-            && self.document.root.accessors[positions].sparse.is_none()
-        {
-            return Err(self.document.invalid(
-                format_args!("{place}.attributes.POSITION"),
-                format_args!("accessors[{positions}] has no bufferView, so that there are no positions; export the file again"),
-            ));
-        }
-        let positions = self.open(positions, Format::VECTOR, format_args!("{place}.attributes.POSITION"))?;
         let count = positions.count();
-        let triangles = self.corners(primitive, mode, count, place)?;
+        let triangles = self.corners(source, mode, count)?;
         if triangles.is_empty() {
             return Ok(None);
         }
 
-        let normals = self.open_attribute(primitive, Semantic::Normals, Format::VECTOR, count, place)?;
+        let normals = source.attribute(Semantic::Normals, Format::VECTOR, Some(count))?;
+        let corner_bytes = CORNER_BYTES * 3 * triangles.len() as u64;
+        self.buffers.budget().claim(Use::Meshes, corner_bytes, place)?;
         let (sources, triangles) = if normals.is_some() { compact(&triangles) } else { flatten(&triangles) };
-        self.budget(sources.len(), triangles.len(), instances, place)?;
+        self.buffers.budget().release(corner_bytes);
+        self.claim(sources.len(), triangles.len(), instances, place)?;
 
         let mut local = Local {
             positions: self.positions(&positions, &sources, place)?,
             normals: normals.map(|normals| self.vectors(&normals, &sources).collect()),
-            uvs: self.uvs(primitive, &sources, count, place)?,
-            colors: self.colors(primitive, &sources, count, place)?,
+            uvs: self.uvs(source, &sources, count)?,
+            colors: self.colors(source, &sources, count)?,
             sources,
             triangles,
         };
@@ -153,63 +162,38 @@ impl<'a> Reader<'a, '_> {
         Ok(Some(local))
     }
 
-    /// Refuses more than [`MAX_ELEMENTS`] before memory is taken for them.
-    fn budget(&mut self, vertices: usize, triangles: usize, instances: usize, place: &str) -> Result<()> {
-        self.vertices = self.vertices.saturating_add((vertices as u64).saturating_mul(instances as u64));
-        self.triangles = self.triangles.saturating_add((triangles as u64).saturating_mul(instances as u64));
-        if self.vertices.max(self.triangles) > MAX_ELEMENTS {
-            return Err(self.document.invalid(
-                place,
-                format_args!(
-                    "with this primitive the scene has {} vertices and {} triangles, over all instances; at most {MAX_ELEMENTS} of each are drawn: draw a part of it",
-                    self.vertices, self.triangles
-                ),
-            ));
-        }
-        Ok(())
-    }
-
-    fn open(&self, index: usize, format: Format, place: impl Display) -> Result<Accessor<'a>> {
-        Accessor::open(self.document, self.buffers, index, format, place)
-    }
-
-    /// Opens an accessor that must have an element for each of `count` positions.
-    fn open_parallel(&self, index: usize, format: Format, count: usize, place: impl Display) -> Result<Accessor<'a>> {
-        let accessor = self.open(index, format, &place)?;
-        if accessor.count() == count {
-            return Ok(accessor);
-        }
-        Err(self.document.invalid(
-            place,
-            format_args!(
-                "accessors[{index}] has a count of {}, but there are {count} positions; export the file again",
-                accessor.count()
-            ),
-        ))
-    }
-
-    fn open_attribute(
-        &self,
-        primitive: &Primitive,
-        semantic: Semantic,
-        format: Format,
-        count: usize,
-        place: &str,
-    ) -> Result<Option<Accessor<'a>>> {
-        let name = semantic.to_string();
-        attribute(primitive, semantic)
-            .map(|index| self.open_parallel(index, format, count, format_args!("{place}.attributes.{name}")))
-            .transpose()
+    /// Claims the memory of a primitive, once for itself and once for each of its instances.
+    fn claim(&self, vertices: usize, triangles: usize, instances: usize, place: &str) -> Result<()> {
+        let each = (vertices as u64 * VERTEX_BYTES).saturating_add(triangles as u64 * TRIANGLE_BYTES);
+        self.buffers.budget().claim(Use::Meshes, each.saturating_mul(instances as u64 + 1), place)
     }
 
     /// The triangles, as vertices of the file.
-    fn corners(&mut self, primitive: &Primitive, mode: Mode, count: usize, place: &str) -> Result<Vec<[u32; 3]>> {
-        let indices: Vec<u32> = match primitive.indices {
-            // More vertices than 32 bits can count would not fit a buffer that was read.
-            None => (0..count as u32).collect(),
+    fn corners(&mut self, source: &Source<'_>, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>> {
+        let place = format!("{}.indices", source.place);
+        // Of a strip or fan each index but two makes a triangle.
+        let claim = |indices: usize| {
+            let corners = if mode == Mode::Triangles { 1 } else { 3 };
+            let bytes = indices as u64 * (INDEX_BYTES + corners * INDEX_BYTES);
+            self.buffers.budget().claim(Use::Meshes, bytes, &place)
+        };
+        if let Some(triangles) = source.triangles() {
+            if let Some(&vertex) = triangles.iter().flatten().find(|&&vertex| vertex as usize >= count) {
+                let problem =
+                    format!("the compressed triangles name vertex {vertex}, but there are only {count}; export the file again");
+                return Err(self.document.invalid(place, problem));
+            }
+            return Ok(triangles);
+        }
+        let indices: Vec<u32> = match source.primitive.indices {
+            None => {
+                claim(count)?;
+                // More vertices than 32 bits can count would not fit a buffer that was read.
+                (0..count as u32).collect()
+            }
             Some(accessor) => {
-                let place = format!("{place}.indices");
-                let indices = self.open(accessor.value(), Format::INDICES, &place)?;
+                let indices = Accessor::open_counted(self.document, self.buffers, accessor.value(), Format::INDICES, &place)?;
+                claim(indices.count())?;
                 let restart = indices.largest_integer();
                 let fail = |i: usize, index: u32| {
                     let why = if index == restart {
@@ -275,11 +259,14 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Texture coordinates as the base colour texture wants them.
-    fn uvs(&mut self, primitive: &Primitive, sources: &[u32], count: usize, place: &str) -> Result<Vec<Vec2>> {
-        let material = primitive.material.map(|material| &self.document.root.materials[material.value()]);
-        let Some(source) = material.and_then(UvSource::of) else { return Ok(vec![Vec2::ZERO; sources.len()]) };
-        let semantic = Semantic::TexCoords(source.set);
-        let Some(accessor) = self.open_attribute(primitive, semantic, Format::UV, count, place)? else {
+    fn uvs(&mut self, source: &Source<'_>, sources: &[u32], count: usize) -> Result<Vec<Vec2>> {
+        let uv_source = match source.primitive.material {
+            None => None,
+            Some(material) => UvSource::of(self.document, material.value())?,
+        };
+        let Some(uv_source) = uv_source else { return Ok(vec![Vec2::ZERO; sources.len()]) };
+        let semantic = Semantic::TexCoords(uv_source.set);
+        let Some(accessor) = source.attribute(semantic, Format::UV, Some(count))? else {
             self.notes.without_uvs += 1;
             return Ok(vec![Vec2::ZERO; sources.len()]);
         };
@@ -287,7 +274,7 @@ impl<'a> Reader<'a, '_> {
         let uvs = sources
             .iter()
             .map(|&i| {
-                let uv = source.transform.transform_point2(Vec2::from_array(accessor.vector(i as usize)));
+                let uv = uv_source.transform.transform_point2(Vec2::from_array(accessor.vector(i as usize)));
                 if uv.is_finite() {
                     uv
                 } else {
@@ -301,8 +288,8 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Vertex colours; white where there are none.
-    fn colors(&mut self, primitive: &Primitive, sources: &[u32], count: usize, place: &str) -> Result<Vec<Vec4>> {
-        let Some(accessor) = self.open_attribute(primitive, Semantic::Colors(0), Format::COLOR, count, place)? else {
+    fn colors(&mut self, source: &Source<'_>, sources: &[u32], count: usize) -> Result<Vec<Vec4>> {
+        let Some(accessor) = source.attribute(Semantic::Colors(0), Format::COLOR, Some(count))? else {
             return Ok(vec![Vec4::ONE; sources.len()]);
         };
         let mut not_finite = 0;
@@ -327,25 +314,24 @@ impl<'a> Reader<'a, '_> {
         Ok(colors)
     }
 
-    /// Adds the morph targets, each with its default weight.
-    fn morph(&mut self, local: &mut Local, primitive: &Primitive, weights: &[f32], count: usize, place: &str) -> Result<()> {
+    /// Adds the morph targets, each with its weight.
+    fn morph(&mut self, local: &mut Local, primitive: &Primitive, weights: &[f64], count: usize, place: &str) -> Result<()> {
         let targets = primitive.targets.iter().flatten();
         for (t, (target, &weight)) in targets.zip(weights).enumerate() {
-            // Most targets have no weight in the rest pose, and then need not be read.
+            // Most targets have no weight in most poses, and then need not be read.
             if weight == 0.0 {
                 continue;
             }
-            let weight = f64::from(weight);
             if let Some(positions) = target.positions {
                 let place = format!("{place}.targets[{t}].POSITION");
-                let deltas = self.open_parallel(positions.value(), Format::VECTOR, count, place)?;
+                let deltas = open_parallel(self.document, self.buffers, positions.value(), Format::VECTOR, count, place)?;
                 for (position, delta) in local.positions.iter_mut().zip(self.vectors(&deltas, &local.sources)) {
                     *position += weight * delta;
                 }
             }
             if let (Some(normals), Some(local_normals)) = (target.normals, &mut local.normals) {
                 let place = format!("{place}.targets[{t}].NORMAL");
-                let deltas = self.open_parallel(normals.value(), Format::VECTOR, count, place)?;
+                let deltas = open_parallel(self.document, self.buffers, normals.value(), Format::VECTOR, count, place)?;
                 for (normal, delta) in local_normals.iter_mut().zip(self.vectors(&deltas, &local.sources)) {
                     *normal += weight * delta;
                 }

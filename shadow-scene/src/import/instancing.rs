@@ -4,6 +4,7 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::{
     accessor::{Accessor, Format},
+    budget::Use,
     buffers::Buffers,
     document::Document,
     error::Result,
@@ -28,7 +29,7 @@ pub(super) fn world_from_instances(
         let place = format!("{place}.{name}");
         let index = index.as_u64().and_then(|index| usize::try_from(index).ok());
         let index = index.ok_or_else(|| document.invalid(&place, "is not the index of an accessor; export the file again"))?;
-        Accessor::open(document, buffers, index, format, place).map(Some)
+        Accessor::open_counted(document, buffers, index, format, place).map(Some)
     };
     let translations = open("TRANSLATION", Format::VECTOR)?;
     let rotations = open("ROTATION", Format::ROTATION)?;
@@ -41,6 +42,8 @@ pub(super) fn world_from_instances(
     if counts.any(|other| other != count) {
         return Err(document.invalid(place, "name accessors of different counts; export the file again"));
     }
+    // Memory for the matrices below.
+    buffers.budget().claim(Use::Meshes, count as u64 * size_of::<DAffine3>() as u64, &place)?;
     let vector = |accessor: &Option<Accessor<'_>>, i: usize, default: DVec3| {
         accessor.as_ref().map_or(default, |accessor| DVec3::from_array(accessor.vector(i).map(f64::from)))
     };

@@ -11,7 +11,7 @@ use crate::builder::SceneBuilder;
 pub(super) fn add(document: &Document, hierarchy: &Hierarchy, builder: &mut SceneBuilder) -> Result<()> {
     let lights = document.root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     let lights = lights.map_or(&[][..], |extension| &extension.lights);
-    for &node in &hierarchy.drawn {
+    for node in hierarchy.visible() {
         let node_json = &document.root.nodes[node];
         let extension = node_json.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
         let (Some(extension), Some(world_from_node)) = (extension, hierarchy.world_from_node(node)) else { continue };

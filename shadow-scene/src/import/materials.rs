@@ -13,6 +13,7 @@ use super::{buffers::Buffers, document::Document, error::Result, images, notes::
 use crate::{
     builder::SceneBuilder,
     scene::{Alpha, Material, Texture, Wrap},
+    source::SourceFacts,
 };
 
 /// Where the texture coordinates of a material's base colour come from.
@@ -26,8 +27,8 @@ pub(super) struct UvSource {
 
 impl UvSource {
     /// The source of a material; `None` if it has no base colour texture.
-    pub(super) fn of(material: &gltf::json::Material) -> Option<Self> {
-        material.pbr_metallic_roughness.base_color_texture.as_ref().map(Self::of_texture)
+    pub(super) fn of(document: &Document, material: usize) -> Result<Option<Self>> {
+        Ok(BaseColor::of(document, material)?.texture.as_ref().map(Self::of_texture))
     }
 
     fn of_texture(info: &Info) -> Self {
@@ -46,6 +47,55 @@ impl UvSource {
     }
 }
 
+/// What colours a surface.
+#[derive(Clone, Debug)]
+struct BaseColor {
+    factor: [f32; 4],
+    texture: Option<Info>,
+    roughness: f32,
+}
+
+/// What KHR_materials_pbrSpecularGlossiness has in place of metal and roughness; its specular colour is left out.
+#[derive(serde::Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct SpecularGlossiness {
+    diffuse_factor: [f32; 4],
+    diffuse_texture: Option<Info>,
+    glossiness_factor: f32,
+}
+
+impl Default for SpecularGlossiness {
+    fn default() -> Self {
+        Self { diffuse_factor: [1.0; 4], diffuse_texture: None, glossiness_factor: 1.0 }
+    }
+}
+
+impl BaseColor {
+    /// That of a material: its diffuse colour, if it has the extension for that.
+    fn of(document: &Document, material: usize) -> Result<Self> {
+        const EXTENSION: &str = "KHR_materials_pbrSpecularGlossiness";
+        // `Document` guarantees the index.
+        let root = &document.root;
+        let Some(extension) = document.material_extension(material, EXTENSION) else {
+            let pbr = &root.materials[material].pbr_metallic_roughness;
+            return Ok(Self {
+                factor: pbr.base_color_factor.0,
+                texture: pbr.base_color_texture.clone(),
+                roughness: pbr.roughness_factor.0,
+            });
+        };
+        let place = format!("materials[{material}].extensions.{EXTENSION}");
+        let read: SpecularGlossiness = serde::Deserialize::deserialize(extension)
+            .map_err(|error| document.invalid(&place, format_args!("{error}; export the file again")))?;
+        if read.diffuse_texture.as_ref().is_some_and(|info| info.index.value() >= root.textures.len()) {
+            let problem =
+                format!("names a texture that does not exist, there are {}; export the file again", root.textures.len());
+            return Err(document.invalid(format_args!("{place}.diffuseTexture"), problem));
+        }
+        Ok(Self { factor: read.diffuse_factor, texture: read.diffuse_texture, roughness: 1.0 - read.glossiness_factor })
+    }
+}
+
 /// The materials and images that the scene has so far.
 #[derive(Debug)]
 pub(super) struct Materials<'a> {
@@ -56,13 +106,11 @@ pub(super) struct Materials<'a> {
     materials: HashMap<Option<usize>, u32>,
     /// The scene's image for each of the file's.
     images: HashMap<usize, u32>,
-    /// Texels of all images.
-    texels: u64,
 }
 
 impl<'a> Materials<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, folder: Folder<'a>) -> Self {
-        Self { document, buffers, folder, materials: HashMap::new(), images: HashMap::new(), texels: 0 }
+        Self { document, buffers, folder, materials: HashMap::new(), images: HashMap::new() }
     }
 
     /// The scene's material for one of the file's, which is added when it is asked for first.
@@ -79,11 +127,19 @@ impl<'a> Materials<'a> {
         Ok(added)
     }
 
+    /// Adds the sizes of the images that were read to the facts about the file.
+    pub(super) fn describe_images(&self, builder: &SceneBuilder, facts: &mut SourceFacts) {
+        for (&source, &image) in &self.images {
+            let image = &builder.images()[image as usize];
+            facts.images[source].size = Some([image.width, image.height]);
+        }
+    }
+
     fn read(&mut self, index: usize, builder: &mut SceneBuilder, notes: &mut Notes) -> Result<Material> {
         // `Document` guarantees the indices and that enumerations are valid.
         let json = &self.document.root.materials[index];
-        let pbr = &json.pbr_metallic_roughness;
-        let texture = match &pbr.base_color_texture {
+        let base = BaseColor::of(self.document, index)?;
+        let texture = match &base.texture {
             None => None,
             Some(info) => self.texture(info.index.value(), builder, notes)?,
         };
@@ -100,11 +156,11 @@ impl<'a> Materials<'a> {
         Ok(Material {
             name: json.name.clone().unwrap_or_default(),
             // Exporters round 1 upwards now and then; a surface reflects no more than all light.
-            base_color: Vec4::from_array(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::ONE),
+            base_color: Vec4::from_array(base.factor).clamp(Vec4::ZERO, Vec4::ONE),
             texture,
             alpha,
             double_sided: json.double_sided,
-            roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
+            roughness: base.roughness.clamp(0.0, 1.0),
         })
     }
 
@@ -120,7 +176,7 @@ impl<'a> Materials<'a> {
         let image = match self.images.get(&source) {
             Some(&known) => known,
             None => {
-                let image = images::read(self.document, self.buffers, self.folder, source, &mut self.texels)?;
+                let image = images::read(self.document, self.buffers, self.folder, source)?;
                 let added = builder.add_image(image);
                 self.images.insert(source, added);
                 added

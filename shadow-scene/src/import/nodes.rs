@@ -2,13 +2,21 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
-use super::{document::Document, error::Result};
+use serde_json::Value;
+
+use super::{
+    animation::{NodePose, Pose},
+    document::Document,
+    error::Result,
+};
 
 /// Where the nodes stand.
 #[derive(Debug)]
 pub(super) struct Hierarchy {
     /// The nodes of the scene that is drawn, parents before their children, in the order of the file.
     pub(super) drawn: Vec<usize>,
+    /// Whether each node is hidden, by itself or a parent (KHR_node_visibility).
+    hidden: Vec<bool>,
     /// The matrix from each node's space to the world; `None` for nodes that no root leads to.
     world_from_node: Vec<Option<DAffine3>>,
 }
@@ -19,9 +27,14 @@ impl Hierarchy {
         self.world_from_node.get(node).copied().flatten()
     }
 
-    /// Places the nodes of the default scene, or of the first, or, in a file without scenes, all nodes; and after them
-    /// those outside of it, since they may be joints.
-    pub(super) fn place(document: &Document) -> Result<Self> {
+    /// The drawn nodes that are not hidden: cameras are not hidden with their node, all else is.
+    pub(super) fn visible(&self) -> impl Iterator<Item = usize> {
+        self.drawn.iter().copied().filter(|&node| !self.hidden[node])
+    }
+
+    /// Places the nodes of a scene, or all nodes if it is `None`, in a pose; and after them those outside of it, since they may be
+    /// joints.
+    pub(super) fn place(document: &Document, scene: Option<usize>, pose: &Pose) -> Result<Self> {
         let root = &document.root;
         let mut is_child = vec![false; root.nodes.len()];
         for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
@@ -29,22 +42,23 @@ impl Hierarchy {
             is_child[child.value()] = true;
         }
         let orphans = (0..root.nodes.len()).filter(|&node| !is_child[node]);
-        let mut hierarchy = Self { drawn: Vec::new(), world_from_node: vec![None; root.nodes.len()] };
-        let scene = root.scene.map_or(0, |scene| scene.value());
-        if let Some(json) = root.scenes.get(scene) {
-            for (i, node) in json.nodes.iter().enumerate() {
-                hierarchy.descend(document, node.value(), &format!("scenes[{scene}].nodes[{i}]"))?;
+        let mut hierarchy =
+            Self { drawn: Vec::new(), hidden: vec![false; root.nodes.len()], world_from_node: vec![None; root.nodes.len()] };
+        if let Some(scene) = scene {
+            // `Document::scene` gives only scenes that exist.
+            for (i, node) in root.scenes[scene].nodes.iter().enumerate() {
+                hierarchy.descend(document, pose, node.value(), &format!("scenes[{scene}].nodes[{i}]"))?;
             }
         } else {
             for node in orphans.clone() {
-                hierarchy.descend(document, node, &format!("nodes[{node}]"))?;
+                hierarchy.descend(document, pose, node, &format!("nodes[{node}]"))?;
             }
         }
         let drawn = hierarchy.drawn.len();
         for node in orphans {
             // What is wrong with nodes that are not drawn need not be reported: they are then not placed.
             if hierarchy.world_from_node[node].is_none() {
-                let _ = hierarchy.descend(document, node, "");
+                let _ = hierarchy.descend(document, pose, node, "");
             }
         }
         hierarchy.drawn.truncate(drawn);
@@ -52,7 +66,7 @@ impl Hierarchy {
     }
 
     /// Places a node and all below it. The stack is explicit, because a file may nest as deeply as it likes.
-    fn descend(&mut self, document: &Document, start: usize, place: &str) -> Result<()> {
+    fn descend(&mut self, document: &Document, pose: &Pose, start: usize, place: &str) -> Result<()> {
         let mut pending = vec![(start, None, DAffine3::IDENTITY)];
         while let Some((node, parent, world_from_parent)) = pending.pop() {
             // Each node is entered once, so this ends whatever the file says.
@@ -62,13 +76,14 @@ impl Hierarchy {
                     format!("nodes[{node}] is reached a second time; nodes must form trees, without loops or shared branches");
                 return Err(document.invalid(place, problem));
             }
-            let world_from_node = world_from_parent * parent_from_node(document, node)?;
+            let world_from_node = world_from_parent * parent_from_node(document, node, pose.node(node))?;
             if !world_from_node.is_finite() {
                 return Err(
                     document.invalid(format_args!("nodes[{node}]"), "the product of its and its parents' matrices overflows")
                 );
             }
             self.world_from_node[node] = Some(world_from_node);
+            self.hidden[node] = parent.is_some_and(|parent: usize| self.hidden[parent]) || is_hidden(document, node)?;
             self.drawn.push(node);
             // The last one pushed is the first one taken.
             let children = document.root.nodes[node].children.iter().flatten().rev();
@@ -78,18 +93,35 @@ impl Hierarchy {
     }
 }
 
-/// The matrix of a node's own transform, at the precision the file has.
-fn parent_from_node(document: &Document, node: usize) -> Result<DAffine3> {
+/// Whether a node hides itself and all below it.
+fn is_hidden(document: &Document, node: usize) -> Result<bool> {
+    const EXTENSION: &str = "KHR_node_visibility";
+    let extension = document.node_value(node, "extensions").and_then(|extensions| extensions.get(EXTENSION));
+    match extension.map(|extension| (extension.is_object(), extension.get("visible"))) {
+        None | Some((true, None)) => Ok(false),
+        Some((true, Some(Value::Bool(visible)))) => Ok(!visible),
+        Some(_) => Err(document.invalid(
+            format_args!("nodes[{node}].extensions.{EXTENSION}"),
+            "must be an object with `visible` true or false; export the file again",
+        )),
+    }
+}
+
+/// The matrix of a node's own transform, at the precision the file has; what its pose sets stands in place of that.
+fn parent_from_node(document: &Document, node: usize, pose: Option<&NodePose>) -> Result<DAffine3> {
+    // An animation never moves a node that has a matrix: `Pose::read` has refused that.
     if let Some(matrix) = document.node_numbers::<16>(node, "matrix") {
         return affine_from_columns(&matrix).ok_or_else(|| {
             document.invalid(format_args!("nodes[{node}].matrix"), "the last row must be 0 0 0 1; export the file again")
         });
     }
-    let translation = document.node_numbers(node, "translation").map_or(DVec3::ZERO, DVec3::from_array);
-    let scale = document.node_numbers(node, "scale").map_or(DVec3::ONE, DVec3::from_array);
-    let rotation = match document.node_numbers(node, "rotation") {
-        None => DQuat::IDENTITY,
-        Some(rotation) => unit_quaternion(rotation).ok_or_else(|| {
+    let numbers = |property| document.node_numbers(node, property).map(DVec3::from_array);
+    let translation = pose.and_then(|pose| pose.translation).or_else(|| numbers("translation")).unwrap_or(DVec3::ZERO);
+    let scale = pose.and_then(|pose| pose.scale).or_else(|| numbers("scale")).unwrap_or(DVec3::ONE);
+    let rotation = match (pose.and_then(|pose| pose.rotation), document.node_numbers(node, "rotation")) {
+        (Some(rotation), _) => rotation,
+        (None, None) => DQuat::IDENTITY,
+        (None, Some(rotation)) => unit_quaternion(rotation).ok_or_else(|| {
             document.invalid(
                 format_args!("nodes[{node}].rotation"),
                 format_args!("{rotation:?} is no rotation; a quaternion must have a length of 1 (leave it out for none)"),

@@ -13,6 +13,8 @@ pub(super) struct Notes {
     pub(super) without_uvs: usize,
     /// Normals, texture coordinates and colours that are not finite.
     pub(super) not_finite: usize,
+    /// That the pose is not the one that was asked for, as a sentence.
+    pub(super) pose: Option<String>,
     /// Used materials that are blended.
     pub(super) blended: usize,
     /// Used textures without an image that can be read.
@@ -65,6 +67,7 @@ impl Notes {
             "normal, texture coordinate or colour is not a finite number and is taken for 0",
             "normals, texture coordinates or colours are not finite numbers and are taken for 0",
         );
+        sentences.extend(self.pose.clone());
         if !self.extensions.is_empty() {
             sentences.push(format!("extensions that are not supported are left out: {}", self.extensions.join(", ")));
         }

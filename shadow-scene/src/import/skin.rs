@@ -1,17 +1,18 @@
-//! Skins in their rest pose: section 3.7.3 of the glTF 2.0 specification, at the joints' own transforms.
+//! Skins in a pose: section 3.7.3 of the glTF 2.0 specification.
 
 use glam::{DAffine3, DMat3, DVec3};
-use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::mesh::Semantic;
 
 use super::{
     accessor::{Accessor, Format},
+    attributes::Source,
     buffers::Buffers,
-    document::{Document, attribute},
+    document::Document,
     error::Result,
     nodes::{Hierarchy, affine_from_columns},
 };
 
-/// A skin whose joints stand where the file puts them.
+/// A skin whose joints stand where the pose puts them.
 #[derive(Debug)]
 pub(super) struct Skin {
     index: usize,
@@ -68,15 +69,14 @@ impl Skin {
     pub(super) fn world_from_vertices(
         &self,
         document: &Document,
-        buffers: &Buffers<'_>,
-        primitive: &Primitive,
+        source: &Source<'_>,
         sources: &[u32],
-        place: &str,
     ) -> Result<Option<Vec<DAffine3>>> {
+        let place = &source.place;
         let mut sets = Vec::new();
         for set in 0.. {
-            let joints = attribute(primitive, Semantic::Joints(set));
-            let weights = attribute(primitive, Semantic::Weights(set));
+            let joints = source.attribute(Semantic::Joints(set), Format::JOINTS, None)?;
+            let weights = source.attribute(Semantic::Weights(set), Format::WEIGHTS, None)?;
             let (joints, weights) = match (joints, weights) {
                 (None, None) => break,
                 (Some(joints), Some(weights)) => (joints, weights),
@@ -89,8 +89,6 @@ impl Skin {
             };
             let joints_place = format!("{place}.attributes.JOINTS_{set}");
             let weights_place = format!("{place}.attributes.WEIGHTS_{set}");
-            let joints = Accessor::open(document, buffers, joints, Format::JOINTS, &joints_place)?;
-            let weights = Accessor::open(document, buffers, weights, Format::WEIGHTS, &weights_place)?;
             let last = sources.iter().max().map_or(0, |&last| last as usize);
             for (accessor, place) in [(&joints, &joints_place), (&weights, &weights_place)] {
                 if accessor.count() <= last {
@@ -104,6 +102,7 @@ impl Skin {
         if sets.is_empty() {
             return Ok(None);
         }
+        source.claim(sources.len() as u64 * size_of::<DAffine3>() as u64)?;
         sources.iter().map(|&vertex| self.blend(document, &sets, vertex as usize)).collect::<Result<_>>().map(Some)
     }
 

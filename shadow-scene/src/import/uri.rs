@@ -15,6 +15,7 @@ use base64::{
 use percent_encoding::percent_decode_str;
 
 use super::{
+    budget::{Budget, Use},
     document::Document,
     error::{ImportError, Result},
 };
@@ -25,19 +26,33 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The folder that external files are read from; `None` refuses them all.
+/// Where external files are read from, and within how much memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Folder<'a>(pub(super) Option<&'a Path>);
+pub(super) struct Folder<'a> {
+    /// The folder; `None` refuses all external files.
+    pub(super) path: Option<&'a Path>,
+    /// The memory that the import may take.
+    pub(super) budget: &'a Budget,
+}
 
 impl Folder<'_> {
     /// The bytes that a URI stands for, of which there must be at least `at_least` if that is given; no more than
     /// those are read then. `place` is the JSON path of the URI.
-    pub(super) fn read(self, document: &Document, uri: &str, at_least: Option<u64>, place: impl Display) -> Result<Vec<u8>> {
+    pub(super) fn read(
+        self,
+        document: &Document,
+        uri: &str,
+        what: Use,
+        at_least: Option<u64>,
+        place: impl Display,
+    ) -> Result<Vec<u8>> {
         let bytes = if let Some(data) = strip_scheme(uri, "data") {
+            // Decoding never lengthens the text.
+            self.budget.claim(what, data.len() as u64, &place)?;
             decode_data(data).map_err(|problem| document.invalid(&place, problem))?
         } else {
             let path = relative_path(uri).map_err(|problem| document.invalid(&place, problem))?;
-            self.read_file(document, &path, at_least, &place)?
+            self.read_file(document, &path, what, at_least, &place)?
         };
         match at_least {
             Some(length) if (bytes.len() as u64) < length => Err(document.invalid(
@@ -49,8 +64,15 @@ impl Folder<'_> {
     }
 
     /// Reads a file in the folder. It is looked up with every link resolved, so that none leads out of the folder.
-    fn read_file(self, document: &Document, path: &Path, at_least: Option<u64>, place: &impl Display) -> Result<Vec<u8>> {
-        let Some(folder) = self.0 else {
+    fn read_file(
+        self,
+        document: &Document,
+        path: &Path,
+        what: Use,
+        at_least: Option<u64>,
+        place: &impl Display,
+    ) -> Result<Vec<u8>> {
+        let Some(folder) = self.path else {
             return Err(document.invalid(
                 place,
                 format_args!(
@@ -90,9 +112,11 @@ impl Folder<'_> {
                 ),
             ));
         }
-        let mut bytes = Vec::new();
+        let length = at_least.unwrap_or(metadata.len());
+        self.budget.claim(what, length, place)?;
+        let mut bytes = Vec::with_capacity(length as usize);
         let file = fs::File::open(&target).map_err(resource)?;
-        file.take(at_least.unwrap_or(u64::MAX)).read_to_end(&mut bytes).map_err(resource)?;
+        file.take(length).read_to_end(&mut bytes).map_err(resource)?;
         Ok(bytes)
     }
 }

@@ -1,6 +1,9 @@
 //! What the importer refuses, and a sweep over real and malformed files.
 
+use shadow_math::ShadowSettings;
+
 use super::*;
+use crate::frame_plan::FramePlan;
 
 #[test]
 fn versions_other_than_2_are_refused() {
@@ -82,10 +85,15 @@ fn vertices_beyond_all_reason_are_refused() {
 }
 
 #[test]
-fn a_file_without_triangles_is_refused_by_name() {
+fn a_file_without_triangles_is_an_empty_scene_with_a_note() {
     let mut file = File::triangle();
     file.primitive()["mode"] = 0.into();
-    assert!(file.error().starts_with("test.glb: the scene has no triangles"), "{}", file.error());
+    let scene = file.scene();
+    assert!(scene.triangles().is_empty() && scene.vertices().positions.is_empty() && scene.instances().is_empty());
+    assert_eq!((scene.bounds().min, scene.bounds().max), (Vec3::splat(-0.5), Vec3::splat(0.5)));
+    assert!(scene.notes()[0].starts_with("nothing to draw"), "{:?}", scene.notes());
+    assert!(scene.has_default_camera() && scene.source().points_and_lines == 1);
+    FramePlan::new(&scene, &scene.cameras()[0].camera, &ShadowSettings::default(), 64, 64, None).unwrap();
 }
 
 #[test]
