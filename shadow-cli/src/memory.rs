@@ -23,12 +23,17 @@ const FALLBACK_LIMIT: u64 = 16 << 30;
 
 /// Bytes of a vertex in a scene: position and normal (12 each), texture coordinates (8), colour (16).
 const VERTEX: u64 = 12 + 12 + 8 + 16;
-/// Bytes of a vertex in the CPU backend: its position again (12) and its place in the window (24).
-const CPU_VERTEX: u64 = 12 + 24;
+/// Bytes of a vertex in the CPU backend: its position again (12), what shading reads of it (32) and its place in the window (24).
+const CPU_VERTEX: u64 = 12 + 32 + 24;
 /// Bytes of a triangle in a scene: three indices and a material.
 const TRIANGLE: u64 = 12 + 4;
-/// Bytes of a triangle in the CPU backend while a pass draws it: its edges and depth plane (72), and its entries in two or three bins.
-const CPU_TRIANGLE: u64 = 72 + 36;
+/// Bytes of a triangle in the CPU backend, which keeps what a pass needs for the next: its edges and depth plane (44, in a list that has up to twice
+/// the room it needs), and its entries in two or three bins (12 each).
+const CPU_TRIANGLE: u64 = 2 * 44 + 36;
+/// Bytes of a vertex in the GPU backend: all that it has three times while it is brought there, and its position once more.
+const GPU_VERTEX: u64 = 3 * VERTEX + 12;
+/// Bytes of a triangle in the GPU backend: the same with its indices.
+const GPU_TRIANGLE: u64 = 3 * TRIANGLE + 12;
 /// Bytes of a texel in a scene, and again in either backend.
 const TEXEL: u64 = 4;
 /// Bytes of a texel of a shadow map, of a depth, of a triangle's index and of a light's visibility.
@@ -177,13 +182,13 @@ impl Amounts {
                 }
             }
             // Everything is in the adapter's memory, which may be the system's. A layer is read back through two buffers, and
-            // visibility is then sorted by light. The scene is laid out once more to be brought there.
+            // visibility is then sorted by light. The scene is laid out and staged to be brought there.
             Backend::Gpu => {
                 let read = self.layers(request);
                 let map_read = if read.maps > 0 { 2 * self.map_texels * NUMBER } else { 0 };
                 Demand {
-                    meshes: 2 * self.scene().meshes,
-                    textures: 2 * self.texels * TEXEL,
+                    meshes: self.vertices * GPU_VERTEX + self.triangles * GPU_TRIANGLE,
+                    textures: 3 * self.texels * TEXEL,
                     maps: self.maps().saturating_add(map_read),
                     frame: all_stages.saturating_add(read.frame.saturating_mul(2)),
                 }

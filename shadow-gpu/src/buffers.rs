@@ -1,10 +1,13 @@
 //! Buffers and their contents.
 
+use shadow_math::material::DECODE_TABLE_LEN;
 use shadow_math::{
     material::MaterialData,
     plan::{LightPlan, ViewPlan},
 };
 use shadow_scene::{Scene, Surfaces};
+
+use crate::shaders::TABLE_WIDTH_BITS;
 
 /// Creates a buffer with contents; never empty, since WebGPU cannot bind nothing, and wants room for one element of the
 /// array that a shader reads even where there are none, as in a scene without triangles.
@@ -22,38 +25,68 @@ pub(crate) fn buffer_with(device: &wgpu::Device, label: &str, usage: wgpu::Buffe
     buffer
 }
 
+/// The size of an output of so many bytes: never nothing.
+pub(crate) fn output_size(bytes: u64) -> u64 {
+    const SMALLEST: u64 = 16;
+    bytes.max(SMALLEST)
+}
+
 /// Creates a storage buffer that a shader writes.
 pub(crate) fn output_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: bytes.max(16),
+        size: output_size(bytes),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     })
 }
 
-/// The vertices as `geometry.wgsl` reads them: all positions, then nine attributes a vertex.
-pub(crate) fn vertex_floats(scene: &Scene) -> Vec<f32> {
+/// The width of a table, a texture that holds a list, in texels.
+pub(crate) const TABLE_WIDTH: u32 = 1 << TABLE_WIDTH_BITS;
+
+/// How many rows a table of `texels` texels has; one at least, since there is no empty texture.
+pub(crate) fn table_rows(texels: u64) -> u64 {
+    texels.div_ceil(u64::from(TABLE_WIDTH)).max(1)
+}
+
+/// Texels with which the last row is full.
+fn full_rows<T: bytemuck::Zeroable>(mut texels: Vec<T>) -> Vec<T> {
+    let len = table_rows(texels.len() as u64) as usize * TABLE_WIDTH as usize;
+    texels.resize_with(len, T::zeroed);
+    texels
+}
+
+/// The vertices as `geometry.wgsl` reads them: position and u, normal and v, colour.
+pub(crate) fn vertex_table(scene: &Scene) -> Vec<[f32; 4]> {
     let vertices = scene.vertices();
-    let mut floats = Vec::with_capacity(vertices.positions.len() * 12);
-    floats.extend(vertices.positions.iter().flat_map(|position| position.to_array()));
-    for ((normal, uv), color) in vertices.normals.iter().zip(&vertices.uvs).zip(&vertices.colors) {
-        floats.extend(normal.to_array());
-        floats.extend(uv.to_array());
-        floats.extend(color.to_array());
+    let mut texels = Vec::with_capacity(vertices.positions.len() * 3 + TABLE_WIDTH as usize);
+    let streams = vertices.positions.iter().zip(&vertices.normals).zip(&vertices.uvs).zip(&vertices.colors);
+    for (((position, normal), uv), color) in streams {
+        texels.push(position.extend(uv.x).to_array());
+        texels.push(normal.extend(uv.y).to_array());
+        texels.push(color.to_array());
     }
-    floats
+    full_rows(texels)
 }
 
-/// The triangles as `geometry.wgsl` reads them: all indices, then a material a triangle.
-pub(crate) fn triangle_words(scene: &Scene) -> Vec<u32> {
-    let mut words = Vec::with_capacity(scene.triangles().len() * 4);
-    words.extend(scene.triangles().iter().flatten());
-    words.extend(scene.triangle_materials());
-    words
+/// The triangles as `geometry.wgsl` reads them: three vertex indices and a material.
+pub(crate) fn triangle_table(scene: &Scene) -> Vec<[u32; 4]> {
+    let mut texels = Vec::with_capacity(scene.triangles().len() + TABLE_WIDTH as usize);
+    texels.extend(scene.triangles().iter().zip(scene.triangle_materials()).map(|([a, b, c], material)| [*a, *b, *c, *material]));
+    full_rows(texels)
 }
 
-/// The surfaces' two buffers: materials, and words.
-pub(crate) fn surface_bytes(surfaces: &Surfaces) -> (&[u8], &[u8]) {
-    (bytemuck::cast_slice(&surfaces.materials), bytemuck::cast_slice(&surfaces.words))
+/// The materials as `surfaces.wgsl` reads them: three texels each.
+pub(crate) fn material_table(surfaces: &Surfaces) -> Vec<[u32; 4]> {
+    full_rows(surfaces.materials.iter().flat_map(|material| bytemuck::cast::<_, [[u32; 4]; 3]>(*material)).collect())
+}
+
+/// The words of all textures, a texel each.
+pub(crate) fn word_table(surfaces: Surfaces) -> Vec<u32> {
+    full_rows(surfaces.words)
+}
+
+/// The decode table as a uniform array has it: elements 16 bytes apart.
+pub(crate) fn decode_array(surfaces: &Surfaces) -> Vec<[u32; 4]> {
+    surfaces.words[..DECODE_TABLE_LEN as usize].iter().map(|&word| [word, 0, 0, 0]).collect()
 }

@@ -17,6 +17,7 @@ mod pipelines;
 mod buffers;
 mod readback;
 mod renderer;
+mod shelf;
 
 pub use adapter::{AdapterSummary, DriverRules, list_adapters};
 pub use error::GpuError;

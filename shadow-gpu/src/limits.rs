@@ -2,12 +2,13 @@
 
 use shadow_scene::{FramePlan, Scene, Surfaces};
 
-use crate::error::GpuError;
+use crate::{
+    buffers::{TABLE_WIDTH, table_rows},
+    error::GpuError,
+};
 
-/// Bytes of a vertex: three floats of position, nine of attributes.
-pub(crate) const VERTEX_BYTES: u64 = 12 * 4;
-/// Bytes of a triangle: three indices and a material.
-pub(crate) const TRIANGLE_BYTES: u64 = 4 * 4;
+/// Texels of a vertex in its table.
+const VERTEX_TEXELS: u64 = 3;
 
 pub(crate) struct LimitCheck<'a> {
     pub(crate) adapter: &'a str,
@@ -36,12 +37,18 @@ impl LimitCheck<'_> {
         self.at_most(what, bytes, self.limits.max_buffer_size, "maxBufferSize", way_out)
     }
 
-    /// A scene's buffers.
+    fn table(&self, what: &str, texels: u64, way_out: &'static str) -> Result<(), GpuError> {
+        let rows = u64::from(self.limits.max_texture_dimension_2d);
+        let what = format!("{what} in rows of {TABLE_WIDTH} texels");
+        self.at_most(what, table_rows(texels), rows, "maxTextureDimension2D", way_out)
+    }
+
+    /// A scene's tables and buffers.
     pub(crate) fn scene(&self, scene: &Scene, surfaces: &Surfaces) -> Result<(), GpuError> {
         const WAY_OUT: &str = "use the CPU backend or a simpler scene";
-        self.buffer("the scene's vertices", scene.vertices().positions.len() as u64 * VERTEX_BYTES, WAY_OUT)?;
-        self.buffer("the scene's triangles", scene.triangles().len() as u64 * TRIANGLE_BYTES, WAY_OUT)?;
-        self.buffer("the scene's textures", surfaces.words.len() as u64 * 4, WAY_OUT)
+        self.table("the scene's vertices", scene.vertices().positions.len() as u64 * VERTEX_TEXELS, WAY_OUT)?;
+        self.table("the scene's triangles", scene.triangles().len() as u64, WAY_OUT)?;
+        self.table("the scene's textures", surfaces.words.len() as u64, WAY_OUT)
     }
 
     /// A frame's textures and buffers.

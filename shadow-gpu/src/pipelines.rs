@@ -55,6 +55,7 @@ const fn texture(sample_type: wgpu::TextureSampleType, view_dimension: wgpu::Tex
 /// Depths are bound as numbers that cannot be filtered: the same binding takes a depth texture and an upload.
 const DEPTHS: wgpu::BindingType =
     texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2Array);
+const FLOATS: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 const IDS: wgpu::BindingType = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
 
 /// A layout whose bindings are numbered from 0.
@@ -74,8 +75,8 @@ impl Layouts {
         let read = storage(true);
         let write = storage(false);
         Self {
-            geometry: layout(device, "geometry", GRAPHICS | COMPUTE, &[read, read, UNIFORM]),
-            surfaces: layout(device, "surfaces", GRAPHICS | COMPUTE, &[read, read]),
+            geometry: layout(device, "geometry", GRAPHICS | COMPUTE, &[FLOATS, IDS]),
+            surfaces: layout(device, "surfaces", GRAPHICS | COMPUTE, &[IDS, IDS, UNIFORM]),
             views: layout(device, "views", GRAPHICS, &[read]),
             camera: layout(device, "camera", GRAPHICS, &[UNIFORM]),
             visibility: layout(device, "visibility", COMPUTE, &[UNIFORM, read, read, DEPTHS, IDS, write]),

@@ -8,12 +8,16 @@ use wgpu::BufferUsages;
 
 use crate::{
     adapter::{AdapterSummary, choose_adapter, new_instance},
-    buffers::{buffer_with, output_buffer, surface_bytes, triangle_words, vertex_floats},
+    buffers::{
+        TABLE_WIDTH, buffer_with, decode_array, material_table, output_buffer, output_size, table_rows, triangle_table,
+        vertex_table, word_table,
+    },
     clock::{Instant, milliseconds},
     error::GpuError,
     limits::LimitCheck,
     pipelines::{DEPTH_FORMAT, ID_FORMAT, Pipelines},
     readback::read_buffer,
+    shelf::{Kept, Shelf},
     wait::submitted_work,
 };
 
@@ -28,14 +32,16 @@ pub struct GpuRenderer {
     pipelines: Pipelines,
     /// The first error that the driver reported outside of any call that could return it.
     driver_error: Arc<Mutex<Option<String>>>,
+    textures: Shelf<wgpu::Texture>,
+    outputs: Shelf<wgpu::Buffer>,
 }
 
 /// A scene in the GPU's memory.
 pub struct GpuScene {
     geometry: wgpu::BindGroup,
     surfaces: wgpu::BindGroup,
-    vertices: wgpu::Buffer,
-    triangles: wgpu::Buffer,
+    positions: wgpu::Buffer,
+    indices: wgpu::Buffer,
     passes: [std::ops::Range<u32>; Pass::COUNT],
 }
 
@@ -48,23 +54,23 @@ struct PlanBuffers {
 
 /// Shadow maps in the GPU's memory: one layer a view.
 pub struct GpuMaps {
-    texture: wgpu::Texture,
+    texture: Kept<wgpu::Texture>,
 }
 
 /// What the camera sees, in the GPU's memory.
 pub struct GpuCameraBuffer {
-    ids: wgpu::Texture,
-    depth: wgpu::Texture,
+    ids: Kept<wgpu::Texture>,
+    depth: Kept<wgpu::Texture>,
 }
 
 /// The visibility of every light at every pixel, in the GPU's memory; the lights of a pixel lie side by side.
 pub struct GpuVisibility {
-    buffer: wgpu::Buffer,
+    buffer: Kept<wgpu::Buffer>,
 }
 
 /// The colour of every pixel, in the GPU's memory.
 pub struct GpuColor {
-    buffer: wgpu::Buffer,
+    buffer: Kept<wgpu::Buffer>,
 }
 
 /// A frame and how long it took.
@@ -120,7 +126,8 @@ impl GpuRenderer {
             }
         });
         let pipelines = Pipelines::new(&device);
-        let renderer = Self { summary, device, queue, pipelines, driver_error };
+        let renderer =
+            Self { summary, device, queue, pipelines, driver_error, textures: Shelf::default(), outputs: Shelf::default() };
         renderer.check_driver()?;
         Ok(renderer)
     }
@@ -181,34 +188,49 @@ impl GpuRenderer {
     pub async fn upload(&self, scene: &Scene) -> Result<GpuScene, GpuError> {
         let surfaces = Surfaces::of(scene);
         LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.scene(scene, &surfaces)?;
-        let vertices = buffer_with(
-            &self.device,
-            "vertices",
-            BufferUsages::STORAGE | BufferUsages::VERTEX,
-            bytemuck::cast_slice(&vertex_floats(scene)),
-        );
-        let triangles = buffer_with(
-            &self.device,
-            "triangles",
-            BufferUsages::STORAGE | BufferUsages::INDEX,
-            bytemuck::cast_slice(&triangle_words(scene)),
-        );
-        let counts = [scene.vertices().positions.len() as u32, scene.triangles().len() as u32, 0, 0];
-        let counts = buffer_with(&self.device, "geometry", BufferUsages::UNIFORM, bytemuck::cast_slice(&counts));
-        let (materials, words) = surface_bytes(&surfaces);
-        let materials = buffer_with(&self.device, "materials", BufferUsages::STORAGE, materials);
-        let words = buffer_with(&self.device, "texels", BufferUsages::STORAGE, words);
+        let positions =
+            buffer_with(&self.device, "positions", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices().positions));
+        let indices = buffer_with(&self.device, "indices", BufferUsages::INDEX, bytemuck::cast_slice(scene.triangles()));
+        let vertices = self.table("vertices", wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(&vertex_table(scene)));
+        let triangles = self.table("triangles", wgpu::TextureFormat::Rgba32Uint, bytemuck::cast_slice(&triangle_table(scene)));
+        let integers = wgpu::TextureFormat::Rgba32Uint;
+        let materials = self.table("materials", integers, bytemuck::cast_slice(&material_table(&surfaces)));
+        let decode = decode_array(&surfaces);
+        let decode = buffer_with(&self.device, "decode table", BufferUsages::UNIFORM, bytemuck::cast_slice(&decode));
+        let words = self.table("texels", wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(&word_table(surfaces)));
         let layouts = &self.pipelines.layouts;
-        let geometry = [vertices.as_entire_binding(), triangles.as_entire_binding(), counts.as_entire_binding()];
+        let geometry = [wgpu::BindingResource::TextureView(&vertices), wgpu::BindingResource::TextureView(&triangles)];
         let scene = GpuScene {
             geometry: self.bind("geometry", &layouts.geometry, &geometry),
-            surfaces: self.bind("surfaces", &layouts.surfaces, &[materials.as_entire_binding(), words.as_entire_binding()]),
-            vertices,
-            triangles,
+            surfaces: self.bind(
+                "surfaces",
+                &layouts.surfaces,
+                &[
+                    wgpu::BindingResource::TextureView(&materials),
+                    wgpu::BindingResource::TextureView(&words),
+                    decode.as_entire_binding(),
+                ],
+            ),
+            positions,
+            indices,
             passes: Pass::ALL.map(|pass| scene.pass_triangles(pass)),
         };
         self.finish(self.encoder("upload")).await?;
         Ok(scene)
+    }
+
+    /// A list as a texture of full rows of [`TABLE_WIDTH`] texels.
+    fn table(&self, label: &str, format: wgpu::TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
+        let texel_bytes = format.block_copy_size(None).unwrap_or(1);
+        let height = table_rows(bytes.len() as u64 / u64::from(texel_bytes)) as u32;
+        let texture = self.texture(label, [TABLE_WIDTH, height, 1], format, wgpu::TextureUsages::COPY_DST);
+        self.queue.write_texture(
+            texture.as_image_copy(),
+            bytes,
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(TABLE_WIDTH * texel_bytes), rows_per_image: None },
+            texture.size(),
+        );
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     fn plan_buffers(&self, plan: &FramePlan) -> PlanBuffers {
@@ -241,6 +263,27 @@ impl GpuRenderer {
         })
     }
 
+    /// A texture of an earlier frame, or a new one.
+    fn kept_texture(
+        &self,
+        label: &str,
+        [width, height, layers]: [u32; 3],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> Kept<wgpu::Texture> {
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
+        let all_usages = usage | wgpu::TextureUsages::TEXTURE_BINDING;
+        let fits =
+            |texture: &wgpu::Texture| texture.size() == size && texture.format() == format && texture.usage() == all_usages;
+        self.textures.take(fits, || self.texture(label, [width, height, layers], format, usage))
+    }
+
+    /// A storage buffer of an earlier frame, or a new one.
+    fn kept_output(&self, label: &str, bytes: u64) -> Kept<wgpu::Buffer> {
+        let bytes = output_size(bytes);
+        self.outputs.take(|buffer| buffer.size() == bytes, || output_buffer(&self.device, label, bytes))
+    }
+
     /// Renders all shadow maps of a plan.
     ///
     /// # Errors
@@ -250,7 +293,7 @@ impl GpuRenderer {
         LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
         let layers = (plan.views.len() as u32).max(1);
         let size = [plan.map_size, plan.map_size, layers];
-        let texture = self.texture("shadow maps", size, DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let texture = self.kept_texture("shadow maps", size, DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
         let buffers = self.plan_buffers(plan);
         let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
         let mut encoder = self.encoder("shadow maps");
@@ -271,8 +314,8 @@ impl GpuRenderer {
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &scene.surfaces, &[]);
             pass.set_bind_group(2, &views, &[]);
-            pass.set_vertex_buffer(0, scene.vertices.slice(..));
-            pass.set_index_buffer(scene.triangles.slice(..), wgpu::IndexFormat::Uint32);
+            pass.set_vertex_buffer(0, scene.positions.slice(..));
+            pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
             for run in Pass::ALL {
                 let triangles = scene.passes[run as usize].clone();
                 if triangles.is_empty() {
@@ -300,7 +343,7 @@ impl GpuRenderer {
     pub async fn upload_maps(&self, size: u32, layers: &[impl AsRef<[f32]>]) -> Result<GpuMaps, GpuError> {
         let count = (layers.len() as u32).max(1);
         let format = wgpu::TextureFormat::R32Float;
-        let texture = self.texture("uploaded shadow maps", [size, size, count], format, wgpu::TextureUsages::COPY_DST);
+        let texture = self.kept_texture("uploaded shadow maps", [size, size, count], format, wgpu::TextureUsages::COPY_DST);
         for (layer, depths) in (0..).zip(layers) {
             self.queue.write_texture(
                 wgpu::TexelCopyTextureInfo {
@@ -327,8 +370,8 @@ impl GpuRenderer {
         LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
         let size = [plan.camera.width, plan.camera.height, 1];
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let ids = self.texture("triangles seen", size, ID_FORMAT, usage);
-        let depth = self.texture("camera depth", size, DEPTH_FORMAT, usage);
+        let ids = self.kept_texture("triangles seen", size, ID_FORMAT, usage);
+        let depth = self.kept_texture("camera depth", size, DEPTH_FORMAT, usage);
         let buffers = self.plan_buffers(plan);
         let camera = self.bind("camera", &self.pipelines.layouts.camera, &[buffers.camera.as_entire_binding()]);
         let mut encoder = self.encoder("camera");
@@ -379,7 +422,7 @@ impl GpuRenderer {
         maps: &GpuMaps,
     ) -> Result<GpuVisibility, GpuError> {
         let values = pixel_count(plan) * plan.lights.len();
-        let buffer = output_buffer(&self.device, "visibility", 4 * values as u64);
+        let buffer = self.kept_output("visibility", 4 * values as u64);
         let buffers = self.plan_buffers(plan);
         let maps = maps.texture.create_view(&depth_array_view());
         let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
@@ -418,7 +461,7 @@ impl GpuRenderer {
         camera: &GpuCameraBuffer,
         visibility: &GpuVisibility,
     ) -> Result<GpuColor, GpuError> {
-        let buffer = output_buffer(&self.device, "color", 16 * pixel_count(plan) as u64);
+        let buffer = self.kept_output("color", 16 * pixel_count(plan) as u64);
         let buffers = self.plan_buffers(plan);
         let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
         let group = self.bind(

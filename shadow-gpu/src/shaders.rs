@@ -1,5 +1,8 @@
 //! The WGSL sources. A module is a few files joined; WGSL does not mind their order.
 
+/// Bits of the width of the textures that hold lists. The smallest widest texture that WebGPU promises is twice as wide.
+pub const TABLE_WIDTH_BITS: u32 = 12;
+
 /// One file of shader source.
 #[derive(Clone, Copy, Debug)]
 pub struct ShaderFile {

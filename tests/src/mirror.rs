@@ -82,6 +82,9 @@ pub fn evaluate(
         const MAP_SIZE: u32 = {map_size}u;
         var<private> invocation: u32;
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return depths[(layer * MAP_SIZE + y) * MAP_SIZE + x]; }}
+        fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
+        fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}
+        fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
         fn input(index: u32) -> f32 {{ return inputs[invocation * {inputs_each}u + index]; }}
         fn input3(index: u32) -> vec3f {{ return vec3f(input(index), input(index + 1u), input(index + 2u)); }}
         fn output(index: u32, value: f32) {{ outputs[invocation * {outputs_each}u + index] = value; }}

@@ -10,7 +10,8 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 use shadow_gpu::shaders::{
-    ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, VISIBILITY_MODULE, join,
+    ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS,
+    VISIBILITY_MODULE, join,
 };
 use shadow_math::{
     bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS},
@@ -43,10 +44,7 @@ const MODULES: &[(&str, &[ShaderFile])] = &[
 const UNUSED_FILES: &[(&str, &str)] = &[("srgb", "for whoever shows the picture: the renderer's own colours stay linear")];
 
 /// Structs in buffers whose Rust side is no struct, and why.
-const PLAIN_STRUCTS: &[(&str, &str)] = &[
-    ("GeometryLayout", "two words that shadow-gpu writes as an array"),
-    ("ReadbackLayer", "one word that shadow-gpu writes by itself"),
-];
+const PLAIN_STRUCTS: &[(&str, &str)] = &[("ReadbackLayer", "one word that shadow-gpu writes by itself")];
 
 /// A struct of Rust as WGSL must have it.
 #[derive(Debug)]
@@ -221,6 +219,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         GRADIENT_MARGIN,
         MAX_TEXEL_COORDINATE,
         LINEAR_LIMIT,
+        TABLE_WIDTH_BITS,
     ]
 }
 
@@ -243,6 +242,9 @@ fn mirrors_source() -> String {
         @group(0) @binding(1) var<storage, read> views: array<ViewPlan>;
         @group(0) @binding(2) var<storage, read> materials: array<MaterialData>;
         @group(0) @binding(3) var<storage, read> words: array<u32>;
+        fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
+        fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}
+        fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return 1.0; }}",
         join(MIRRORS)
     )

@@ -9,7 +9,7 @@ struct CameraVertex {
 
 @vertex
 fn camera_vertex(@builtin(vertex_index) corner: u32) -> CameraVertex {
-    let position = vertex_position(triangles[corner]);
+    let position = vertex_position(fetch_triangle(corner / 3u)[corner % 3u]);
     let clip = vec4f(
         row_times_point(camera.clip_x, position),
         row_times_point(camera.clip_y, position),

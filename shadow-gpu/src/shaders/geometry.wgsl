@@ -1,15 +1,12 @@
-// The scene's geometry, pulled from storage buffers.
+// The scene's geometry, pulled from textures: software drivers read a texel of four numbers many times faster than four numbers of a buffer.
 
-struct GeometryLayout {
-    vertex_count: u32,
-    triangle_count: u32,
-}
+// Rows of so many texels: the smallest widest texture that WebGPU promises is twice as wide.
+const TABLE_WIDTH_BITS: u32 = 12u;
 
-// Three coordinates a vertex, then nine attributes a vertex: normal, texture coordinates, colour.
-@group(0) @binding(0) var<storage, read> vertices: array<f32>;
-// Three vertex indices a triangle, then one material a triangle.
-@group(0) @binding(1) var<storage, read> triangles: array<u32>;
-@group(0) @binding(2) var<uniform> geometry: GeometryLayout;
+// Three texels a vertex: position and u; normal and v; colour.
+@group(0) @binding(0) var vertices: texture_2d<f32>;
+// A texel a triangle: three vertex indices and a material.
+@group(0) @binding(1) var triangles: texture_2d<u32>;
 
 struct VertexAttributes {
     normal: vec3f,
@@ -17,28 +14,30 @@ struct VertexAttributes {
     color: vec4f,
 }
 
-fn triangle_corners(triangle: u32) -> vec3u {
-    return vec3u(triangles[3u * triangle], triangles[3u * triangle + 1u], triangles[3u * triangle + 2u]);
+fn table_texel(index: u32) -> vec2u {
+    return vec2u(index & ((1u << TABLE_WIDTH_BITS) - 1u), index >> TABLE_WIDTH_BITS);
 }
 
-fn triangle_material(triangle: u32) -> u32 {
-    return triangles[3u * geometry.triangle_count + triangle];
+// Three corners, and the material.
+fn fetch_triangle(triangle: u32) -> vec4u {
+    return textureLoad(triangles, table_texel(triangle), 0);
+}
+
+fn fetch_vertex(vertex: u32, part: u32) -> vec4f {
+    return textureLoad(vertices, table_texel(3u * vertex + part), 0);
 }
 
 fn vertex_position(vertex: u32) -> vec3f {
-    return vec3f(vertices[3u * vertex], vertices[3u * vertex + 1u], vertices[3u * vertex + 2u]);
+    return fetch_vertex(vertex, 0u).xyz;
 }
 
 fn vertex_attributes(vertex: u32) -> VertexAttributes {
-    let first = 3u * geometry.vertex_count + 9u * vertex;
-    let normal = vec3f(vertices[first], vertices[first + 1u], vertices[first + 2u]);
-    let uv = vec2f(vertices[first + 3u], vertices[first + 4u]);
-    let color = vec4f(vertices[first + 5u], vertices[first + 6u], vertices[first + 7u], vertices[first + 8u]);
-    return VertexAttributes(normal, uv, color);
+    let normal = fetch_vertex(vertex, 1u);
+    return VertexAttributes(normal.xyz, vec2f(fetch_vertex(vertex, 0u).w, normal.w), fetch_vertex(vertex, 2u));
 }
 
 // The point of a triangle that a ray meets: mirrors Scene::point of shadow-scene/src/scene.rs.
 fn scene_point(triangle: u32, ray: Ray) -> TrianglePoint {
-    let corners = triangle_corners(triangle);
+    let corners = fetch_triangle(triangle);
     return triangle_point(ray, vertex_position(corners.x), vertex_position(corners.y), vertex_position(corners.z));
 }

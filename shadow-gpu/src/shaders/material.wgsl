@@ -47,9 +47,9 @@ fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
 }
 
 fn decode_texel(texel: u32) -> vec4f {
-    let r = bitcast<f32>(words[texel & 0xffu]);
-    let g = bitcast<f32>(words[texel >> 8u & 0xffu]);
-    let b = bitcast<f32>(words[texel >> 16u & 0xffu]);
+    let r = decoded(texel & 0xffu);
+    let g = decoded(texel >> 8u & 0xffu);
+    let b = decoded(texel >> 16u & 0xffu);
     let a = f32(texel >> 24u) / 255.0;
     return vec4f(r, g, b, a);
 }
@@ -69,18 +69,19 @@ fn sample_texture(texture: TextureData, uv: vec2f) -> vec4f {
     let y1 = wrap_texel(i32(floor_y) + 1, height, texture.wrap_v);
     let row0 = texture.first_word + u32(y0 * width);
     let row1 = texture.first_word + u32(y1 * width);
-    let t00 = decode_texel(words[row0 + u32(x0)]);
-    let t10 = decode_texel(words[row0 + u32(x1)]);
-    let t01 = decode_texel(words[row1 + u32(x0)]);
-    let t11 = decode_texel(words[row1 + u32(x1)]);
+    let t00 = decode_texel(fetch_word(row0 + u32(x0)));
+    let t10 = decode_texel(fetch_word(row0 + u32(x1)));
+    let t01 = decode_texel(fetch_word(row1 + u32(x0)));
+    let t11 = decode_texel(fetch_word(row1 + u32(x1)));
     let top = t00 + (t10 - t00) * fraction_x;
     let bottom = t01 + (t11 - t01) * fraction_x;
     return top + (bottom - top) * fraction_y;
 }
 
 fn base_color(material: u32, uv: vec2f, vertex_color: vec4f) -> vec4f {
-    var color = materials[material].base_color * vertex_color;
-    let texture = materials[material].texture;
+    let data = fetch_material(material);
+    var color = data.base_color * vertex_color;
+    let texture = data.texture;
     if texture.first_word != NO_TEXTURE {
         color *= sample_texture(texture, uv);
     }

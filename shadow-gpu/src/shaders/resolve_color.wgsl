@@ -13,7 +13,7 @@ fn pixel_color(triangle: u32, x: f32, y: f32, first_visibility: u32) -> vec4f {
     let ray = pixel_ray(camera.rays, x, y);
     let hit = scene_point(triangle, ray);
     let base = scene_color(triangle, hit);
-    let corners = triangle_corners(triangle);
+    let corners = fetch_triangle(triangle);
     let n0 = vertex_attributes(corners.x).normal;
     let n1 = vertex_attributes(corners.y).normal;
     let n2 = vertex_attributes(corners.z).normal;
@@ -23,7 +23,7 @@ fn pixel_color(triangle: u32, x: f32, y: f32, first_visibility: u32) -> vec4f {
         turned_to_viewer(normal, hit.normal, ray),
         normalized(-ray.direction),
         base.xyz,
-        materials[triangle_material(triangle)].shininess,
+        fetch_material(corners.w).shininess,
     );
     var radiance = shade_ambient(camera.ambient, surface);
     for (var light = 0u; light < camera.light_count; light++) {

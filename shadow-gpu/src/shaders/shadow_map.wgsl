@@ -24,7 +24,7 @@ struct MaskedVertex {
 
 @vertex
 fn masked_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) view: u32) -> MaskedVertex {
-    let position = vertex_position(triangles[corner]);
+    let position = vertex_position(fetch_triangle(corner / 3u)[corner % 3u]);
     return MaskedVertex(view_clip(view, position), corner / 3u, view);
 }
 
