@@ -83,7 +83,7 @@ pub(crate) enum OpenBackend<'a> {
     /// The CPU renderer.
     Cpu {
         /// With its threads.
-        renderer: CpuRenderer,
+        renderer: Box<CpuRenderer>,
         /// The scene in the renderer's form.
         prepared: PreparedScene<'a>,
     },
@@ -108,7 +108,7 @@ impl<'a> OpenBackend<'a> {
         let start = Instant::now();
         match backend {
             Backend::Cpu => {
-                let renderer = CpuRenderer::new(machine.threads as usize, rules)?;
+                let renderer = Box::new(CpuRenderer::new(machine.threads as usize, rules)?);
                 let open = milliseconds_since(start);
                 console.stage("preparing the scene for the CPU");
                 let start = Instant::now();

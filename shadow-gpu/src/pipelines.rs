@@ -6,6 +6,10 @@ use crate::shaders::{
 
 /// The format of shadow maps and of the camera's depth.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The format of visibilities.
+pub(crate) const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+/// The format of colours.
+pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// The format of the camera's triangle indices.
 pub(crate) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 
@@ -28,17 +32,22 @@ pub(crate) struct Pipelines {
     pub(crate) map_masked: wgpu::RenderPipeline,
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
-    pub(crate) visibility: wgpu::ComputePipeline,
-    pub(crate) color: wgpu::ComputePipeline,
+    pub(crate) visibility: wgpu::RenderPipeline,
+    pub(crate) color: wgpu::RenderPipeline,
     pub(crate) readback: wgpu::ComputePipeline,
     pub(crate) readback_id: wgpu::ComputePipeline,
 }
 
 const GRAPHICS: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+const FRAGMENT: wgpu::ShaderStages = wgpu::ShaderStages::FRAGMENT;
 const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
 
 const UNIFORM: wgpu::BindingType =
     wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
+
+/// A part of a uniform buffer that is chosen when it is bound.
+const SLICE: wgpu::BindingType =
+    wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: true, min_binding_size: None };
 
 const fn storage(read_only: bool) -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
@@ -75,12 +84,12 @@ impl Layouts {
         let read = storage(true);
         let write = storage(false);
         Self {
-            geometry: layout(device, "geometry", GRAPHICS | COMPUTE, &[FLOATS, IDS]),
-            surfaces: layout(device, "surfaces", GRAPHICS | COMPUTE, &[IDS, IDS, UNIFORM]),
+            geometry: layout(device, "geometry", GRAPHICS, &[FLOATS, IDS]),
+            surfaces: layout(device, "surfaces", GRAPHICS, &[IDS, IDS, UNIFORM]),
             views: layout(device, "views", GRAPHICS, &[read]),
             camera: layout(device, "camera", GRAPHICS, &[UNIFORM]),
-            visibility: layout(device, "visibility", COMPUTE, &[UNIFORM, read, read, DEPTHS, IDS, write]),
-            color: layout(device, "color", COMPUTE, &[UNIFORM, read, IDS, read, write]),
+            visibility: layout(device, "visibility", FRAGMENT, &[UNIFORM, SLICE, SLICE, DEPTHS, IDS]),
+            color: layout(device, "color", FRAGMENT, &[UNIFORM, read, IDS, DEPTHS]),
             readback: layout(device, "readback", COMPUTE, &[DEPTHS, UNIFORM, write]),
             readback_id: layout(device, "readback of ids", COMPUTE, &[IDS, write]),
         }
@@ -146,6 +155,38 @@ fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::Rend
             entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// A pass over all pixels whose fragments write one number or colour each.
+fn full_screen_pipeline(
+    device: &wgpu::Device,
+    entry_point: &str,
+    files: &[ShaderFile],
+    groups: &[&wgpu::BindGroupLayout],
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = module(device, entry_point, files);
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(entry_point),
+        layout: Some(&pipeline_layout(device, entry_point, groups)),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("full_screen"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(target.into())],
         }),
         multiview_mask: None,
         cache: None,
@@ -225,17 +266,19 @@ impl Pipelines {
             map_opaque,
             map_masked,
             camera,
-            visibility: compute_pipeline(
+            visibility: full_screen_pipeline(
                 device,
                 "resolve_visibility",
                 VISIBILITY_MODULE,
                 &[&layouts.geometry, &layouts.visibility],
+                VISIBILITY_FORMAT,
             ),
-            color: compute_pipeline(
+            color: full_screen_pipeline(
                 device,
                 "resolve_color",
                 COLOR_MODULE,
                 &[&layouts.geometry, &layouts.surfaces, &layouts.color],
+                COLOR_FORMAT,
             ),
             readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),
             readback_id: compute_pipeline(device, "read_id", READBACK_ID_MODULE, &[&layouts.readback_id]),

@@ -2,20 +2,23 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use shadow_math::plan::{LightPlan, ViewPlan};
+use shadow_math::{
+    fit::CUBE_FACES,
+    plan::{LightPlan, ViewPlan},
+};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
 use crate::{
     adapter::{AdapterSummary, choose_adapter, new_instance},
     buffers::{
-        TABLE_WIDTH, buffer_with, decode_array, material_table, output_buffer, output_size, table_rows, triangle_table,
-        vertex_table, word_table,
+        TABLE_WIDTH, buffer_with, decode_array, material_table, output_buffer, table_rows, triangle_table, vertex_table,
+        word_table,
     },
     clock::{Instant, milliseconds},
     error::GpuError,
     limits::LimitCheck,
-    pipelines::{DEPTH_FORMAT, ID_FORMAT, Pipelines},
+    pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
     readback::read_buffer,
     shelf::{Kept, Shelf},
     wait::submitted_work,
@@ -33,7 +36,6 @@ pub struct GpuRenderer {
     /// The first error that the driver reported outside of any call that could return it.
     driver_error: Arc<Mutex<Option<String>>>,
     textures: Shelf<wgpu::Texture>,
-    outputs: Shelf<wgpu::Buffer>,
 }
 
 /// A scene in the GPU's memory.
@@ -63,14 +65,14 @@ pub struct GpuCameraBuffer {
     depth: Kept<wgpu::Texture>,
 }
 
-/// The visibility of every light at every pixel, in the GPU's memory; the lights of a pixel lie side by side.
+/// The visibility of every light at every pixel, in the GPU's memory: a layer a light.
 pub struct GpuVisibility {
-    buffer: Kept<wgpu::Buffer>,
+    texture: Kept<wgpu::Texture>,
 }
 
 /// The colour of every pixel, in the GPU's memory.
 pub struct GpuColor {
-    buffer: Kept<wgpu::Buffer>,
+    texture: Kept<wgpu::Texture>,
 }
 
 /// A frame and how long it took.
@@ -126,8 +128,7 @@ impl GpuRenderer {
             }
         });
         let pipelines = Pipelines::new(&device);
-        let renderer =
-            Self { summary, device, queue, pipelines, driver_error, textures: Shelf::default(), outputs: Shelf::default() };
+        let renderer = Self { summary, device, queue, pipelines, driver_error, textures: Shelf::default() };
         renderer.check_driver()?;
         Ok(renderer)
     }
@@ -278,12 +279,6 @@ impl GpuRenderer {
         self.textures.take(fits, || self.texture(label, [width, height, layers], format, usage))
     }
 
-    /// A storage buffer of an earlier frame, or a new one.
-    fn kept_output(&self, label: &str, bytes: u64) -> Kept<wgpu::Buffer> {
-        let bytes = output_size(bytes);
-        self.outputs.take(|buffer| buffer.size() == bytes, || output_buffer(&self.device, label, bytes))
-    }
-
     /// Renders all shadow maps of a plan.
     ///
     /// # Errors
@@ -421,32 +416,38 @@ impl GpuRenderer {
         camera: &GpuCameraBuffer,
         maps: &GpuMaps,
     ) -> Result<GpuVisibility, GpuError> {
-        let values = pixel_count(plan) * plan.lights.len();
-        let buffer = self.kept_output("visibility", 4 * values as u64);
-        let buffers = self.plan_buffers(plan);
+        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        let size = [plan.camera.width, plan.camera.height, (plan.lights.len() as u32).max(1)];
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let texture = self.kept_texture("visibility", size, VISIBILITY_FORMAT, usage);
+        let alignment = u64::from(self.limits().min_uniform_buffer_offset_alignment);
+        let lights = self.slices("lights", alignment, plan.lights.iter().map(|light| [LightPlan { first_view: 0, ..*light }]));
+        let views = self.slices("views", alignment, plan.lights.iter().map(|light| views_of(plan, light)));
+        let camera_plan = buffer_with(&self.device, "camera", BufferUsages::UNIFORM, bytemuck::bytes_of(&plan.camera));
         let maps = maps.texture.create_view(&depth_array_view());
         let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
         let group = self.bind(
             "visibility",
             &self.pipelines.layouts.visibility,
             &[
-                buffers.camera.as_entire_binding(),
-                buffers.lights.as_entire_binding(),
-                buffers.views.as_entire_binding(),
+                camera_plan.as_entire_binding(),
+                lights.first(),
+                views.first(),
                 wgpu::BindingResource::TextureView(&maps),
                 wgpu::BindingResource::TextureView(&ids),
-                buffer.as_entire_binding(),
             ],
         );
         let mut encoder = self.encoder("visibility");
-        self.compute(
-            &mut encoder,
-            &self.pipelines.visibility,
-            &[&scene.geometry, &group],
-            [plan.camera.width, plan.camera.height],
-        );
+        for light in 0..plan.lights.len() as u32 {
+            let target = layer_view(&texture, light);
+            let mut pass = full_screen_pass(&mut encoder, "visibility", &target);
+            pass.set_pipeline(&self.pipelines.visibility);
+            pass.set_bind_group(0, &scene.geometry, &[]);
+            pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
+            pass.draw(0..3, 0..1);
+        }
         self.finish(encoder).await?;
-        Ok(GpuVisibility { buffer })
+        Ok(GpuVisibility { texture })
     }
 
     /// Computes the colour of every pixel.
@@ -461,9 +462,12 @@ impl GpuRenderer {
         camera: &GpuCameraBuffer,
         visibility: &GpuVisibility,
     ) -> Result<GpuColor, GpuError> {
-        let buffer = self.kept_output("color", 16 * pixel_count(plan) as u64);
+        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let texture = self.kept_texture("color", [plan.camera.width, plan.camera.height, 1], COLOR_FORMAT, usage);
         let buffers = self.plan_buffers(plan);
         let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
+        let visibilities = visibility.texture.create_view(&depth_array_view());
         let group = self.bind(
             "color",
             &self.pipelines.layouts.color,
@@ -471,15 +475,39 @@ impl GpuRenderer {
                 buffers.camera.as_entire_binding(),
                 buffers.lights.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&ids),
-                visibility.buffer.as_entire_binding(),
-                buffer.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&visibilities),
             ],
         );
         let mut encoder = self.encoder("color");
-        let groups = [&scene.geometry, &scene.surfaces, &group];
-        self.compute(&mut encoder, &self.pipelines.color, &groups, [plan.camera.width, plan.camera.height]);
+        {
+            let target = layer_view(&texture, 0);
+            let mut pass = full_screen_pass(&mut encoder, "color", &target);
+            pass.set_pipeline(&self.pipelines.color);
+            pass.set_bind_group(0, &scene.geometry, &[]);
+            pass.set_bind_group(1, &scene.surfaces, &[]);
+            pass.set_bind_group(2, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
         self.finish(encoder).await?;
-        Ok(GpuColor { buffer })
+        Ok(GpuColor { texture })
+    }
+
+    /// One block of uniforms after the other, each of the size and alignment that it is bound with.
+    fn slices<const N: usize, T: bytemuck::Pod>(
+        &self,
+        label: &str,
+        alignment: u64,
+        blocks: impl ExactSizeIterator<Item = [T; N]>,
+    ) -> Slices {
+        let size = (N * size_of::<T>()) as u64;
+        let stride = size.next_multiple_of(alignment);
+        // Without lights there is still something to bind.
+        let mut bytes = vec![0; blocks.len().max(1) * stride as usize];
+        for (place, block) in bytes.chunks_exact_mut(stride as usize).zip(blocks) {
+            place[..size as usize].copy_from_slice(bytemuck::cast_slice(&block));
+        }
+        let buffer = buffer_with(&self.device, label, BufferUsages::UNIFORM, &bytes);
+        Slices { buffer, size, stride: stride as u32 }
     }
 
     /// Records a compute pass with one invocation for each pixel.
@@ -546,13 +574,13 @@ impl GpuRenderer {
         Ok((ids, self.read_depths(&camera.depth, 0).await?))
     }
 
-    /// Reads visibilities back, the lights of a pixel side by side.
+    /// Reads the visibility of one light back.
     ///
     /// # Errors
     ///
     /// [`GpuError::Driver`].
-    pub async fn read_visibility(&self, visibility: &GpuVisibility, plan: &FramePlan) -> Result<Vec<f32>, GpuError> {
-        read_buffer(&self.device, &self.queue, &visibility.buffer, pixel_count(plan) * plan.lights.len()).await
+    pub async fn read_visibility(&self, visibility: &GpuVisibility, light: u32) -> Result<Vec<f32>, GpuError> {
+        self.read_depths(&visibility.texture, light).await
     }
 
     /// Reads colours back.
@@ -560,8 +588,39 @@ impl GpuRenderer {
     /// # Errors
     ///
     /// [`GpuError::Driver`].
-    pub async fn read_color(&self, color: &GpuColor, plan: &FramePlan) -> Result<Vec<[f32; 4]>, GpuError> {
-        read_buffer(&self.device, &self.queue, &color.buffer, pixel_count(plan)).await
+    pub async fn read_color(&self, color: &GpuColor) -> Result<Vec<[f32; 4]>, GpuError> {
+        const PIXEL_BYTES: u32 = 16;
+        let (width, height) = (color.texture.width(), color.texture.height());
+        // Rows of a copy begin at multiples of so many bytes.
+        let row_bytes = (width * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(row_bytes) * u64::from(height);
+        let destination = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("colors read back"),
+            size: bytes,
+            usage: BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.encoder("read colors back");
+        encoder.copy_texture_to_buffer(
+            color.texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &destination,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
+            },
+            color.texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let row_pixels = (row_bytes / PIXEL_BYTES) as usize;
+        let mut pixels: Vec<[f32; 4]> =
+            read_buffer(&self.device, &self.queue, &destination, row_pixels * height as usize).await?;
+        self.check_driver()?;
+        if row_pixels != width as usize {
+            for row in 1..height as usize {
+                pixels.copy_within(row * row_pixels..row * row_pixels + width as usize, row * width as usize);
+            }
+            pixels.truncate(width as usize * height as usize);
+        }
+        Ok(pixels)
     }
 
     /// Renders a frame: all stages that the layers asked for need, in a row.
@@ -628,15 +687,13 @@ impl GpuRenderer {
             }
         }
         if let (true, Some(visibility)) = (request.visibility, &visibility) {
-            let values = self.read_visibility(visibility, plan).await?;
-            for light in 0..plan.lights.len() {
-                let of_light = values.iter().skip(light).step_by(plan.lights.len()).copied().collect();
-                let name = LayerName::Visibility { light: light as u32 };
-                layers.push(Layer { name, width, height, pixels: Pixels::Float(of_light) });
+            for light in 0..plan.lights.len() as u32 {
+                let values = self.read_visibility(visibility, light).await?;
+                layers.push(Layer { name: LayerName::Visibility { light }, width, height, pixels: Pixels::Float(values) });
             }
         }
         if let Some(color) = color {
-            let pixels = Pixels::Rgba(self.read_color(&color, plan).await?);
+            let pixels = Pixels::Rgba(self.read_color(&color).await?);
             layers.push(Layer { name: LayerName::Color, width, height, pixels });
         }
         self.check_driver()?;
@@ -644,8 +701,57 @@ impl GpuRenderer {
     }
 }
 
-fn pixel_count(plan: &FramePlan) -> usize {
-    plan.camera.width as usize * plan.camera.height as usize
+/// Blocks of uniforms in one buffer.
+struct Slices {
+    buffer: wgpu::Buffer,
+    /// Bytes of a block.
+    size: u64,
+    /// From the beginning of a block to that of the next.
+    stride: u32,
+}
+
+impl Slices {
+    /// The first block; an offset chooses another.
+    fn first(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &self.buffer,
+            offset: 0,
+            size: std::num::NonZeroU64::new(self.size),
+        })
+    }
+}
+
+/// The views of a light, in as many places as a light can have views.
+fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; CUBE_FACES.len()] {
+    let mut views = [bytemuck::Zeroable::zeroed(); CUBE_FACES.len()];
+    let own = &plan.views[light.first_view as usize..][..light.view_count as usize];
+    views[..own.len()].copy_from_slice(own);
+    views
+}
+
+/// One layer of a texture, to be drawn into.
+fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("layer"),
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// A pass whose fragments write all of `target`.
+fn full_screen_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str, target: &wgpu::TextureView) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    })
 }
 
 /// A view of the depths of all layers.

@@ -39,6 +39,7 @@ shader_files! {
     SURFACES = "surfaces",
     SHADOW_MAP = "shadow_map",
     CAMERA = "camera",
+    FULL_SCREEN = "full_screen",
     RESOLVE_VISIBILITY = "resolve_visibility",
     RESOLVE_COLOR = "resolve_color",
     READBACK = "readback",
@@ -51,10 +52,10 @@ pub const SHADOW_MAP_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL,
 pub const CAMERA_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, CAMERA];
 /// The files of the visibility pass.
 pub const VISIBILITY_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, GEOMETRY, RESOLVE_VISIBILITY];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, GEOMETRY, FULL_SCREEN, RESOLVE_VISIBILITY];
 /// The files of the colour pass.
 pub const COLOR_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, GEOMETRY, SURFACES, RESOLVE_COLOR];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, GEOMETRY, SURFACES, FULL_SCREEN, RESOLVE_COLOR];
 /// The files that read depths back.
 pub const READBACK_MODULE: &[ShaderFile] = &[READBACK];
 /// The files that read triangle indices back.

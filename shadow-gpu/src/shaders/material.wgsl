@@ -36,9 +36,13 @@ fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
     if wrap == WRAP_MIRROR {
         period = 2 * size;
     }
-    var wrapped = index % period;
+    // A quotient in f32 and two corrections: integer division is what software drivers are slowest at.
+    var wrapped = index - i32(floor(f32(index) / f32(period))) * period;
     if wrapped < 0 {
         wrapped += period;
+    }
+    if wrapped >= period {
+        wrapped -= period;
     }
     if wrapped >= size {
         wrapped = period - 1 - wrapped;

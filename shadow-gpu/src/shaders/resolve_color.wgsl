@@ -3,10 +3,9 @@
 @group(2) @binding(0) var<uniform> camera: CameraPlan;
 @group(2) @binding(1) var<storage, read> lights: array<LightPlan>;
 @group(2) @binding(2) var seen: texture_2d<u32>;
-@group(2) @binding(3) var<storage, read> visibilities: array<f32>;
-@group(2) @binding(4) var<storage, read_write> colors: array<vec4f>;
+@group(2) @binding(3) var visibilities: texture_2d_array<f32>;
 
-fn pixel_color(triangle: u32, x: f32, y: f32, first_visibility: u32) -> vec4f {
+fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     if triangle == NO_TRIANGLE {
         return vec4f(BACKGROUND, 1.0);
     }
@@ -27,17 +26,13 @@ fn pixel_color(triangle: u32, x: f32, y: f32, first_visibility: u32) -> vec4f {
     );
     var radiance = shade_ambient(camera.ambient, surface);
     for (var light = 0u; light < camera.light_count; light++) {
-        radiance += shade_light(light, surface, visibilities[first_visibility + light]);
+        radiance += shade_light(light, surface, textureLoad(visibilities, vec2u(vec2f(x, y)), light, 0).x);
     }
     return vec4f(radiance * camera.exposure, 1.0);
 }
 
-@compute @workgroup_size(8, 8)
-fn resolve_color(@builtin(global_invocation_id) pixel: vec3u) {
-    if pixel.x >= camera.width || pixel.y >= camera.height {
-        return;
-    }
-    let index = pixel.y * camera.width + pixel.x;
-    let triangle = textureLoad(seen, pixel.xy, 0).x;
-    colors[index] = pixel_color(triangle, f32(pixel.x) + 0.5, f32(pixel.y) + 0.5, index * camera.light_count);
+@fragment
+fn resolve_color(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let triangle = textureLoad(seen, vec2u(position.xy), 0).x;
+    return pixel_color(triangle, position.x, position.y);
 }
