@@ -3,23 +3,16 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use proptest::{prelude::*, test_runner::TestRunner};
 use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::DriverRules;
 use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split};
 use shadow_scene::{
-    Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
-    Vertices, Wrap, builtin,
-    compare::{Contract, compare},
-    import,
+    Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, Texture, Vertices, Wrap,
+    builtin, compare::compare, import,
 };
-use shadow_tests::{renderers, report::assert_agreement};
-
-/// What the adapter under test is held to.
-fn contract() -> Contract {
-    match renderers::gpu().adapter().rules {
-        DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
-    }
-}
+use shadow_tests::{
+    lights::{lit_by, one_of_each},
+    renderers::{self, contract},
+    report::assert_agreement,
+};
 
 fn cpu_frame(scene: &Scene, plan: &FramePlan) -> Frame {
     let prepared = renderers::cpu().prepare(scene);
@@ -57,28 +50,6 @@ fn check(case: &str, scene: &Scene, camera: &Camera, settings: &ShadowSettings, 
         let of_maps = comparison.layers.iter().filter(|layer| matches!(layer.name, LayerName::ShadowMap { .. }));
         assert_eq!(of_maps.map(|layer| layer.differing).sum::<usize>(), 0, "{case}: uploaded maps come back as they were");
     });
-}
-
-/// One light of each kind for a scene, placed by its bounds.
-fn one_of_each(scene: &Scene) -> [(&'static str, Light); 3] {
-    let bounds = scene.bounds();
-    let (center, radius) = (bounds.center(), bounds.radius().max(1e-3));
-    let intensity = 1000.0 * radius * radius;
-    let above = center + Vec3::new(0.35, 0.9, 0.5) * radius;
-    let spot = LightKind::Spot { position: above, direction: center - above, inner: 0.4, outer: 0.6, range: None };
-    let point = LightKind::Point { position: center + Vec3::new(0.1, 0.45, 0.2) * radius, range: Some(4.0 * radius) };
-    [
-        (
-            "directional",
-            Light { kind: LightKind::Directional { direction: Vec3::new(-0.4, -1.0, 0.3) }, color: Vec3::ONE, intensity: 1e4 },
-        ),
-        ("spot", Light { kind: spot, color: Vec3::new(1.0, 0.8, 0.6), intensity }),
-        ("point", Light { kind: point, color: Vec3::new(0.7, 0.8, 1.0), intensity }),
-    ]
-}
-
-fn lit_by(scene: &Scene, name: &str, light: Light) -> Scene {
-    scene.clone().with_lights(vec![SceneLight { name: name.into(), light }])
 }
 
 #[test]
@@ -131,8 +102,7 @@ const REAL_SCENES: [&str; 12] = [
 #[test]
 fn real_scenes_agree() {
     let Some(folder) = renderers::scenes("real_scenes_agree") else { return };
-    let is_full = std::env::var_os("SHADOW_TESTS_FULL").is_some();
-    let (size, map_size) = if is_full { ((1280, 720), 1024) } else { ((320, 180), 512) };
+    let (size, map_size) = if renderers::is_full() { ((1280, 720), 1024) } else { ((320, 180), 512) };
     let settings = ShadowSettings { map_size, ..ShadowSettings::default() };
     for file in REAL_SCENES {
         let scene = import(&folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
