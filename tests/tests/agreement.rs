@@ -204,6 +204,40 @@ fn a_clipped_sliver_faces_the_same_way() {
     }
 }
 
+/// Slivers across the picture that cover a sample on the sub-pixel grid, and whose area in f32 is nothing: a depth plane through them is infinite, or
+/// not a number. `tests/tests/sweep.rs` found one in a road.
+#[test]
+fn slivers_without_an_area_in_f32_agree() {
+    const HALF_HEIGHT: f64 = 256.0;
+    let projection = Projection::Orthographic { half_height: HALF_HEIGHT, near: 1.0, far: 257.0 };
+    let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, projection).expect("it looks somewhere");
+    let slivers = [
+        // A plane of NaN, with the corners on a line in space too and not; and infinite slopes of either sign.
+        [[207.28656, -19.406975, -108.52772], [-197.20486, 151.6242, -107.58991], [-218.8564, 160.77911, -107.53971]],
+        [[224.01566, -97.69177, -23.713108], [43.83603, 55.556305, -32.252262], [-67.06721, 149.88277, -90.72348]],
+        [[218.56148, 86.99447, -210.07166], [-115.402664, 215.76651, -79.3342], [-53.43878, 191.87408, -237.6129]],
+        [[-163.6352, -199.52747, -123.9106], [9.172501, -38.679733, -62.596214], [5.0686, -42.499603, -181.93883]],
+    ];
+    for corners in slivers.map(|sliver: [[f32; 3]; 3]| sliver.map(Vec3::from)) {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let material = builder.add_material(Material { double_sided: true, ..Material::white() });
+        let vertices = Vertices {
+            positions: corners.to_vec(),
+            normals: vec![Vec3::Z; 3],
+            uvs: vec![Vec2::ZERO; 3],
+            colors: vec![Vec4::ONE; 3],
+        };
+        builder.add_instance("sliver", material, Mesh { vertices, triangles: vec![[0, 1, 2]] }).expect("the sliver is finite");
+        let scene = builder.build().expect("there is a triangle");
+        let size = 2 * HALF_HEIGHT as u32;
+        check("a sliver without area", &scene, &camera, &ShadowSettings::default(), (size, size));
+        let plan = FramePlan::new(&scene, &camera, &ShadowSettings::default(), size, size, None).expect("it can be planned");
+        let frame = cpu_frame(&scene, &plan);
+        let covered = frame.triangles().expect("the layer was asked for").iter().filter(|&&triangle| triangle == 0).count();
+        assert!(covered > 0, "a sliver that covers nothing tests nothing: {corners:?}");
+    }
+}
+
 /// Random cameras and lights on random triangles. The runner is called by hand, so that one device serves all cases.
 #[test]
 fn random_scenes_agree() {
