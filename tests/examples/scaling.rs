@@ -182,20 +182,43 @@ fn median(times: &[StageTimes], stage: impl Fn(&StageTimes) -> f64) -> f64 {
     if values.len().is_multiple_of(2) { 0.5 * (values[middle - 1] + values[middle]) } else { values[middle] }
 }
 
+/// The times of a case, frame by frame.
+struct Times {
+    cpu: Vec<StageTimes>,
+    /// What the adapter does not allow, if it is that.
+    gpu: std::result::Result<Vec<StageTimes>, String>,
+}
+
+/// What the adapter does not allow as a sentence; other errors end the program.
+fn or_limit<T>(result: std::result::Result<T, GpuError>) -> Result<std::result::Result<T, String>> {
+    match result {
+        Ok(value) => Ok(Ok(value)),
+        Err(error @ GpuError::Limit { .. }) => Ok(Err(error.to_string())),
+        Err(error) => Err(error.into()),
+    }
+}
+
 /// Times both renderers in turn, so that a disturbance of the machine, or its clock slowing down, hits both.
-fn time(cpu: &CpuRenderer, gpu: &GpuRenderer, case: &Case, frames: usize) -> Result<[Vec<StageTimes>; 2]> {
+fn time(cpu: &CpuRenderer, gpu: &GpuRenderer, case: &Case, frames: usize) -> Result<Times> {
     let scene = case.scene();
     let plan = case.plan(&scene)?;
     let prepared = cpu.prepare(&scene);
-    let uploaded = pollster::block_on(gpu.upload(&scene))?;
-    let mut times = [Vec::with_capacity(frames), Vec::with_capacity(frames)];
+    let uploaded = or_limit(pollster::block_on(gpu.upload(&scene)))?;
+    let mut times = Times { cpu: Vec::with_capacity(frames), gpu: Ok(Vec::with_capacity(frames)) };
     // The first frame of each is not counted: it gets the memory that later ones use again.
     for round in 0..=frames {
         let on_cpu = cpu.draw(&prepared, &plan, Request::COLOR)?.times;
-        let on_gpu = pollster::block_on(draw_on_gpu(gpu, &uploaded, &plan))?;
+        let on_gpu = match &uploaded {
+            Ok(uploaded) => or_limit(pollster::block_on(draw_on_gpu(gpu, uploaded, &plan)))?,
+            Err(limit) => Err(limit.clone()),
+        };
         if round > 0 {
-            times[0].push(on_cpu);
-            times[1].push(on_gpu);
+            times.cpu.push(on_cpu);
+        }
+        match (on_gpu, &mut times.gpu) {
+            (Ok(on_gpu), Ok(all)) if round > 0 => all.push(on_gpu),
+            (Err(limit), all) => *all = Err(limit),
+            _ => {}
         }
     }
     Ok(times)
@@ -235,14 +258,26 @@ fn print_table(table: &Table, cpu: &CpuRenderer, gpu: &GpuRenderer, frames: usiz
     println!("\n### {}\n", table.title);
     println!("| {} | CPU depth pass | CPU frame | GPU depth pass | GPU frame | GPU / CPU | CPU memory |", table.column);
     println!("|---|---|---|---|---|---|---|");
+    let mut limits = Vec::new();
     for (name, case) in &table.rows {
         let memory = peak_of(case)?.map_or_else(|| "unknown".into(), |mib| format!("{mib:.0} MiB"));
-        let [cpu, gpu] = time(cpu, gpu, case, frames)?;
-        let depth = |times: &StageTimes| times.shadow_maps;
-        let [cpu_depth, cpu_frame] = [median(&cpu, depth), median(&cpu, StageTimes::frame)];
-        let [gpu_depth, gpu_frame] = [median(&gpu, depth), median(&gpu, StageTimes::frame)];
-        let ratio = gpu_frame / cpu_frame;
-        println!("| {name} | {cpu_depth:.1} | {cpu_frame:.1} | {gpu_depth:.1} | {gpu_frame:.1} | {ratio:.2} | {memory} |");
+        let Times { cpu, gpu } = time(cpu, gpu, case, frames)?;
+        let medians = |times: &[StageTimes]| [median(times, |times| times.shadow_maps), median(times, StageTimes::frame)];
+        let [cpu_depth, cpu_frame] = medians(&cpu);
+        let of_gpu = match &gpu {
+            Ok(times) => {
+                let [gpu_depth, gpu_frame] = medians(times);
+                format!("{gpu_depth:.1} | {gpu_frame:.1} | {:.2}", gpu_frame / cpu_frame)
+            }
+            Err(limit) => {
+                limits.push(format!("{name}: {limit}"));
+                "- | - | -".into()
+            }
+        };
+        println!("| {name} | {cpu_depth:.1} | {cpu_frame:.1} | {of_gpu} | {memory} |");
+    }
+    for limit in limits {
+        println!("\n{limit}");
     }
     Ok(())
 }
