@@ -220,6 +220,39 @@ fn lit_plane(normal: Vec3, half_size: f32, light: Vec3) -> Scene {
     scene.finish()
 }
 
+/// Waves on a rectangle of 16 by 9 m that nearly fills a picture of 16 to 9, for measuring: the more `triangles` there are, the smaller is
+/// each of them, and what is covered stays the same.
+///
+/// There is one such sheet at each of `heights`, in metres, and they are drawn in that order. Those below the highest are hidden by it from
+/// the camera and from the sun, but for a strip at the edges as wide as they lie deep. The number of triangles of a sheet is `triangles`
+/// if its half has two factors that make cells about as wide as long, as that of every power of ten has, else a little less.
+#[must_use]
+pub fn waves(triangles: u32, heights: &[f32]) -> Scene {
+    const HALF_SIZE: Vec2 = Vec2::new(8.0, 4.5);
+    /// High enough to shadow each other under this sun.
+    const HEIGHT: f32 = 0.5;
+    let mut scene = Composer::new();
+    let material = scene.material("clay", Vec3::new(0.62, 0.45, 0.36), 0.9);
+    let cells = cells_of(triangles / 2);
+    for height in heights {
+        scene.add("waves", material, shapes::waves(*height * Vec3::Y, HALF_SIZE, HEIGHT, cells));
+    }
+    scene.test_sun(Vec3::new(-1.0, -1.0, 0.4));
+    scene.camera("above", DVec3::new(0.0, 12.5, 1.0), DVec3::ZERO, 44.0);
+    scene.finish()
+}
+
+/// As many columns and rows as make `count` cells, of all such pairs the one nearest to a square with at least as many columns; where there is
+/// only a strip, a little fewer cells.
+fn cells_of(count: u32) -> [u32; 2] {
+    /// How many times as many columns as rows there may be: on 16 by 9 m, cells are then less than twice as long as wide, either way.
+    const MAX_RATIO: u32 = 3;
+    let root = count.max(1).isqrt();
+    let rows = (1..=root).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
+    let columns = count.max(1) / rows;
+    if columns <= MAX_RATIO * rows { [columns, rows] } else { [count.max(1) / root, root] }
+}
+
 /// A builder of scenes that are known to be good.
 struct Composer {
     builder: SceneBuilder,
@@ -404,6 +437,25 @@ mod tests {
                 let ndc = clip_from_world.project_point3(corner.as_dvec3());
                 assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{}: {ndc}", instance.name);
             }
+        }
+    }
+
+    #[test]
+    fn waves_are_as_many_triangles_as_asked_for_and_all_in_view() {
+        for triangles in [1_000, 10_000, 100_000, 200_000] {
+            assert_eq!(waves(triangles, &[0.0]).triangles().len(), triangles as usize);
+        }
+        // Half of it is a prime.
+        assert_eq!(waves(2 * 997, &[0.0]).triangles().len(), 2 * 31 * 32);
+        assert_eq!(waves(0, &[0.0]).triangles().len(), 2);
+        let scene = waves(1_000, &[0.0, -0.2]);
+        assert_eq!(scene.triangles().len(), 2_000);
+        let camera = scene.cameras()[0].camera;
+        let clip_from_world =
+            camera.clip_from_view(16.0 / 9.0, shadow_math::spaces::ClipDepth::ZeroToOne) * camera.view_from_world();
+        for position in &scene.vertices().positions {
+            let ndc = clip_from_world.project_point3(position.as_dvec3());
+            assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{position}: {ndc}");
         }
     }
 

@@ -1,24 +1,41 @@
 //! The renderers that tests share, and the scenes that they find outside the repository.
 
-use std::{env, path::PathBuf, sync::OnceLock};
+use std::{
+    env,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
 
 use shadow_cpu::{CpuRenderer, RasterRules};
 use shadow_gpu::{DriverRules, GpuRenderer};
+use shadow_scene::compare::Contract;
 
-/// A CPU renderer with one thread a core and the rules of the adapter under test, as far as they are known.
+use crate::report::say;
+
+/// What the adapter under test is held to.
+pub fn contract() -> Contract {
+    match gpu().adapter().rules {
+        DriverRules::Lavapipe22 => Contract::Exact,
+        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
+    }
+}
+
+/// The rules of the adapter under test, as far as they are known, for CPU renderers that are compared with it.
+pub fn rules() -> RasterRules {
+    match gpu().adapter().rules {
+        DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
+        DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
+    }
+}
+
+/// A CPU renderer with one thread a core and the [`rules`] of the adapter under test.
 ///
 /// # Panics
 ///
 /// If the threads cannot be started.
 pub fn cpu() -> &'static CpuRenderer {
     static RENDERER: OnceLock<CpuRenderer> = OnceLock::new();
-    RENDERER.get_or_init(|| {
-        let rules = match gpu().adapter().rules {
-            DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
-            DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
-        };
-        CpuRenderer::new(0, rules).expect("the threads start")
-    })
+    RENDERER.get_or_init(|| CpuRenderer::new(0, rules()).expect("the threads start"))
 }
 
 /// The GPU renderer on the adapter that the environment chooses.
@@ -35,7 +52,6 @@ pub fn gpu() -> &'static GpuRenderer {
 }
 
 /// The folder of real scenes that the environment variable `SHADOW_SCENES` names; a test without it says that it did not run.
-#[allow(clippy::print_stderr, reason = "a test that does not run says so where its result is read")]
 pub fn scenes(test: &str) -> Option<PathBuf> {
     match env::var_os("SHADOW_SCENES") {
         Some(folder) => {
@@ -44,8 +60,37 @@ pub fn scenes(test: &str) -> Option<PathBuf> {
             Some(folder)
         }
         None => {
-            eprintln!("{test} did not run: SHADOW_SCENES does not name a folder of scenes");
+            say(&format!("{test} did not run: SHADOW_SCENES does not name a folder of scenes"));
             None
         }
     }
+}
+
+/// Whether real scenes are rendered at full size, as `tests/run --full` asks for; they are small otherwise.
+pub fn is_full() -> bool {
+    env::var_os("SHADOW_TESTS_FULL").is_some()
+}
+
+/// Every `.gltf` and `.glb` file below a folder, relative to it and in order.
+///
+/// # Panics
+///
+/// If the folder cannot be read.
+#[must_use]
+pub fn scene_files(folder: &Path) -> Vec<String> {
+    let mut files = Vec::new();
+    let mut pending = vec![folder.to_path_buf()];
+    while let Some(next) = pending.pop() {
+        for entry in next.read_dir().unwrap_or_else(|error| panic!("{}: {error}", next.display())) {
+            let path = entry.expect("the folder can be read").path();
+            if path.is_dir() {
+                pending.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "gltf" || extension == "glb") {
+                let relative = path.strip_prefix(folder).expect("it is below the folder");
+                files.push(relative.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+    files.sort();
+    files
 }

@@ -1,7 +1,8 @@
-//! What a failed comparison leaves behind: expected, difference and actual as one picture, and the numbers.
+//! What tests say, and what a failed comparison leaves behind: expected, difference and actual as one picture, and the numbers.
 
 use std::{
     fs,
+    io::Write,
     path::{Path, PathBuf},
 };
 
@@ -13,14 +14,30 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../failures")
 }
 
+/// Says a line where the results of tests are read, also if the test passes: the harness of tests keeps what `print!` and `eprint!` say, but
+/// not what is written to the stream itself.
+pub fn say(line: &str) {
+    // A line that nobody reads is no reason to fail.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Asserts that two frames agree; if not, writes a report for every layer that does not and panics with its paths.
 ///
 /// # Panics
 ///
 /// If the frames do not agree.
 pub fn assert_agreement(case: &str, comparison: &Comparison, expected: &Frame, actual: &Frame) {
+    if let Some(disagreement) = disagreement(case, comparison, expected, actual) {
+        panic!("{disagreement}");
+    }
+}
+
+/// What there is to say if two frames do not agree: a line for every layer that does not, with the paths of a report on it. Layers are in the
+/// order of the stages, so the first is where to look.
+#[must_use]
+pub fn disagreement(case: &str, comparison: &Comparison, expected: &Frame, actual: &Frame) -> Option<String> {
     if comparison.agree() {
-        return;
+        return None;
     }
     let mut lines = Vec::new();
     for layer in comparison.layers.iter().filter(|layer| !layer.within_contract) {
@@ -44,7 +61,7 @@ pub fn assert_agreement(case: &str, comparison: &Comparison, expected: &Frame, a
             layer.name, layer.differing, layer.violations
         ));
     }
-    panic!("{case}: the frames disagree\n{}", lines.join("\n"));
+    Some(format!("{case}: the frames disagree\n{}", lines.join("\n")))
 }
 
 fn write(

@@ -3,23 +3,16 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use proptest::{prelude::*, test_runner::TestRunner};
 use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::DriverRules;
 use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split};
 use shadow_scene::{
-    Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
-    Vertices, Wrap, builtin,
-    compare::{Contract, compare},
-    import,
+    Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, Texture, Vertices, Wrap,
+    builtin, compare::compare, import,
 };
-use shadow_tests::{renderers, report::assert_agreement};
-
-/// What the adapter under test is held to.
-fn contract() -> Contract {
-    match renderers::gpu().adapter().rules {
-        DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
-    }
-}
+use shadow_tests::{
+    lights::{lit_by, one_of_each},
+    renderers::{self, contract},
+    report::assert_agreement,
+};
 
 fn cpu_frame(scene: &Scene, plan: &FramePlan) -> Frame {
     let prepared = renderers::cpu().prepare(scene);
@@ -57,28 +50,6 @@ fn check(case: &str, scene: &Scene, camera: &Camera, settings: &ShadowSettings, 
         let of_maps = comparison.layers.iter().filter(|layer| matches!(layer.name, LayerName::ShadowMap { .. }));
         assert_eq!(of_maps.map(|layer| layer.differing).sum::<usize>(), 0, "{case}: uploaded maps come back as they were");
     });
-}
-
-/// One light of each kind for a scene, placed by its bounds.
-fn one_of_each(scene: &Scene) -> [(&'static str, Light); 3] {
-    let bounds = scene.bounds();
-    let (center, radius) = (bounds.center(), bounds.radius().max(1e-3));
-    let intensity = 1000.0 * radius * radius;
-    let above = center + Vec3::new(0.35, 0.9, 0.5) * radius;
-    let spot = LightKind::Spot { position: above, direction: center - above, inner: 0.4, outer: 0.6, range: None };
-    let point = LightKind::Point { position: center + Vec3::new(0.1, 0.45, 0.2) * radius, range: Some(4.0 * radius) };
-    [
-        (
-            "directional",
-            Light { kind: LightKind::Directional { direction: Vec3::new(-0.4, -1.0, 0.3) }, color: Vec3::ONE, intensity: 1e4 },
-        ),
-        ("spot", Light { kind: spot, color: Vec3::new(1.0, 0.8, 0.6), intensity }),
-        ("point", Light { kind: point, color: Vec3::new(0.7, 0.8, 1.0), intensity }),
-    ]
-}
-
-fn lit_by(scene: &Scene, name: &str, light: Light) -> Scene {
-    scene.clone().with_lights(vec![SceneLight { name: name.into(), light }])
 }
 
 #[test]
@@ -131,8 +102,7 @@ const REAL_SCENES: [&str; 12] = [
 #[test]
 fn real_scenes_agree() {
     let Some(folder) = renderers::scenes("real_scenes_agree") else { return };
-    let is_full = std::env::var_os("SHADOW_TESTS_FULL").is_some();
-    let (size, map_size) = if is_full { ((1280, 720), 1024) } else { ((320, 180), 512) };
+    let (size, map_size) = if renderers::is_full() { ((1280, 720), 1024) } else { ((320, 180), 512) };
     let settings = ShadowSettings { map_size, ..ShadowSettings::default() };
     for file in REAL_SCENES {
         let scene = import(&folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
@@ -231,6 +201,40 @@ fn a_clipped_sliver_faces_the_same_way() {
         builder.add_instance("sliver", material, Mesh { vertices, triangles: vec![order] }).unwrap();
         let scene = builder.build().unwrap();
         check("a sliver", &scene, &camera, &ShadowSettings::default(), (130, 37));
+    }
+}
+
+/// Slivers across the picture that cover a sample on the sub-pixel grid, and whose area in f32 is nothing: a depth plane through them is infinite, or
+/// not a number. `tests/tests/sweep.rs` found one in a road.
+#[test]
+fn slivers_without_an_area_in_f32_agree() {
+    const HALF_HEIGHT: f64 = 256.0;
+    let projection = Projection::Orthographic { half_height: HALF_HEIGHT, near: 1.0, far: 257.0 };
+    let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, projection).expect("it looks somewhere");
+    let slivers = [
+        // A plane of NaN, with the corners on a line in space too and not; and infinite slopes of either sign.
+        [[207.28656, -19.406975, -108.52772], [-197.20486, 151.6242, -107.58991], [-218.8564, 160.77911, -107.53971]],
+        [[224.01566, -97.69177, -23.713108], [43.83603, 55.556305, -32.252262], [-67.06721, 149.88277, -90.72348]],
+        [[218.56148, 86.99447, -210.07166], [-115.402664, 215.76651, -79.3342], [-53.43878, 191.87408, -237.6129]],
+        [[-163.6352, -199.52747, -123.9106], [9.172501, -38.679733, -62.596214], [5.0686, -42.499603, -181.93883]],
+    ];
+    for corners in slivers.map(|sliver: [[f32; 3]; 3]| sliver.map(Vec3::from)) {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let material = builder.add_material(Material { double_sided: true, ..Material::white() });
+        let vertices = Vertices {
+            positions: corners.to_vec(),
+            normals: vec![Vec3::Z; 3],
+            uvs: vec![Vec2::ZERO; 3],
+            colors: vec![Vec4::ONE; 3],
+        };
+        builder.add_instance("sliver", material, Mesh { vertices, triangles: vec![[0, 1, 2]] }).expect("the sliver is finite");
+        let scene = builder.build().expect("there is a triangle");
+        let size = 2 * HALF_HEIGHT as u32;
+        check("a sliver without area", &scene, &camera, &ShadowSettings::default(), (size, size));
+        let plan = FramePlan::new(&scene, &camera, &ShadowSettings::default(), size, size, None).expect("it can be planned");
+        let frame = cpu_frame(&scene, &plan);
+        let covered = frame.triangles().expect("the layer was asked for").iter().filter(|&&triangle| triangle == 0).count();
+        assert!(covered > 0, "a sliver that covers nothing tests nothing: {corners:?}");
     }
 }
 

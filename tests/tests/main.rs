@@ -12,6 +12,7 @@ mod import;
 mod poses;
 mod malformed;
 mod agreement;
+mod sweep;
 mod program;
 mod program_files;
 mod program_scenes;

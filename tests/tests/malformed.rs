@@ -6,13 +6,13 @@
 use std::{
     collections::BTreeMap,
     env,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::Command,
     time::{Duration, Instant},
 };
 
 use shadow_scene::import;
-use shadow_tests::renderers::scenes;
+use shadow_tests::renderers::{scene_files, scenes};
 
 /// What the child may take, in KiB: 512 MiB of addresses, its own program included.
 const MEMORY_KIB: u32 = 512 * 1024;
@@ -39,31 +39,12 @@ fn table() -> BTreeMap<String, Option<String>> {
     include_str!("malformed.txt").lines().filter(|line| !line.starts_with('#')).map(line).collect()
 }
 
-/// Every `.gltf` and `.glb` file below a folder, relative to it.
-fn files_below(folder: &Path) -> Vec<String> {
-    let mut files = Vec::new();
-    let mut pending = vec![folder.to_path_buf()];
-    while let Some(next) = pending.pop() {
-        for entry in next.read_dir().unwrap_or_else(|error| panic!("{}: {error}", next.display())) {
-            let path = entry.expect("the folder can be read").path();
-            if path.is_dir() {
-                pending.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "gltf" || extension == "glb") {
-                let relative = path.strip_prefix(folder).expect("it is below the folder");
-                files.push(relative.to_string_lossy().replace('\\', "/"));
-            }
-        }
-    }
-    files.sort();
-    files
-}
-
 #[test]
 fn every_malformed_file_ends_as_the_table_says() {
     let Some(folder) = scenes("every_malformed_file_ends_as_the_table_says") else { return };
     let folder = folder.join("invalid");
     let table = table();
-    let files = files_below(&folder);
+    let files = scene_files(&folder);
     let unlisted: Vec<_> = files.iter().filter(|file| !table.contains_key(*file)).collect();
     let missing: Vec<_> = table.keys().filter(|file| !files.contains(file)).collect();
     assert!(unlisted.is_empty() && missing.is_empty(), "not in the table: {unlisted:?}; not in the folder: {missing:?}");
@@ -107,7 +88,7 @@ fn every_malformed_file_ends_as_the_table_says() {
 fn child_that_imports_every_file() {
     let Some(folder) = env::var_os(FOLDER).map(PathBuf::from) else { return };
     println!();
-    for file in files_below(&folder) {
+    for file in scene_files(&folder) {
         println!("{file}");
         let start = Instant::now();
         let result = import(&folder.join(&file));

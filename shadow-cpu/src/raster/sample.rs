@@ -91,9 +91,11 @@ impl<L: Lanes> Depths<L> {
         Self { along_row, dy: L::F::splat(plane.dy) }
     }
 
+    /// Limited to depths that there are. A sliver that has an area on the grid may have none in f32, and its plane is then not a number; drivers
+    /// that limit it with a minimum first, as this does, have a depth of 1 there.
     #[inline(always)]
     fn in_row<M: MultiplyAdd>(&self, y: f32) -> L::F {
-        M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row).max(L::F::splat(0.0)).min(L::F::splat(1.0))
+        M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row).min(L::F::splat(1.0)).max(L::F::splat(0.0))
     }
 }
 

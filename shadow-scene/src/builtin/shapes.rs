@@ -115,6 +115,25 @@ pub fn torus_knot(center: Vec3, major: f32, minor: f32, tube: f32, segments: u32
     })
 }
 
+/// A rectangle of `2 * half_size` metres in x and z around `center`, visible from above, with smooth waves of `height` metres up and down.
+///
+/// There are six of them along x and four along z, whatever the number of quadrilaterals along each, `cells` (at least 1): two
+/// triangles a quadrilateral.
+#[must_use]
+pub fn waves(center: Vec3, half_size: Vec2, height: f32, cells: [u32; 2]) -> Mesh {
+    /// How many waves there are along x and z.
+    const WAVES: Vec2 = Vec2::new(6.0, 4.0);
+    let [columns, rows] = cells.map(|count| count.max(1));
+    let per_metre = WAVES * TAU / (2.0 * half_size);
+    grid(rows, columns, |row, column| {
+        let at = half_size * (2.0 * Vec2::new(column as f32 / columns as f32, row as f32 / rows as f32) - 1.0);
+        let ((sin_x, cos_x), (sin_z, cos_z)) = ((per_metre.x * at.x).sin_cos(), (per_metre.y * at.y).sin_cos());
+        let position = center + Vec3::new(at.x, height * sin_x * sin_z, at.y);
+        let slope = height * per_metre * Vec2::new(cos_x * sin_z, sin_x * cos_z);
+        (position, Vec3::new(-slope.x, 1.0, -slope.y).normalize())
+    })
+}
+
 /// A grid of `rows` by `columns` quadrilaterals from a function that gives position and normal of each of its points.
 ///
 /// Seen from outside, rows run down and columns to the right. Quadrilaterals that a pole makes into triangles become one.
@@ -252,6 +271,16 @@ mod tests {
             let area: f32 = corners(&plane).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
             assert!((area - 36.0).abs() < 1e-4, "{normal}: {area}");
         }
+    }
+
+    #[test]
+    fn waves_have_their_size_and_face_up() {
+        let waves = waves(Vec3::Y, Vec2::new(8.0, 4.0), 0.5, [96, 64]);
+        assert_eq!(waves.triangles.len(), 2 * 96 * 64);
+        assert!(normals_agree_with_winding(&waves));
+        assert!(corners(&waves).all(|[a, b, c]| (b - a).cross(c - a).y > 0.0));
+        let (min, max) = waves.vertices.positions.iter().fold((Vec3::MAX, Vec3::MIN), |(min, max), p| (min.min(*p), max.max(*p)));
+        assert!(min.distance(Vec3::new(-8.0, 0.5, -4.0)) < 1e-5 && max.distance(Vec3::new(8.0, 1.5, 4.0)) < 1e-5, "{min} {max}");
     }
 
     #[test]

@@ -1,0 +1,186 @@
+//! Every scene file there is, on both renderers and with several numbers of threads.
+
+use std::{
+    any::Any,
+    fmt::Write,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    time::Instant,
+};
+
+use shadow_cpu::{CpuRenderer, PreparedScene};
+use shadow_gpu::GpuScene;
+use shadow_math::{Camera, ShadowSettings};
+use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
+use shadow_tests::{
+    lights::one_of_each,
+    renderers::{self, contract, is_full, scene_files, scenes},
+    report::{disagreement, say},
+};
+
+/// The folder of files that are not sound; another test says of each how its import ends.
+const MALFORMED: &str = "invalid/";
+
+/// Sound files that must be refused, and why.
+const REFUSED: &[(&str, &str)] =
+    &[("asset_generator/Compatibility/Compatibility_04.gltf", "it says that no reader of glTF below version 2.1 can read it")];
+
+/// The numbers of threads that must give the same bytes: alone, one of two cores each, and more than machines of CI have cores. The frames of
+/// the first are those that the GPU's are compared with.
+const THREADS: [usize; 3] = [1, 2, 4];
+
+/// The sizes at which scenes are rendered.
+struct Sizes {
+    picture: (u32, u32),
+    map: u32,
+}
+
+impl Sizes {
+    /// Small enough for a few minutes on two cores and a software adapter.
+    const SMALL: Self = Self { picture: (320, 180), map: 512 };
+    const FULL: Self = Self { picture: (1280, 720), map: 1024 };
+}
+
+/// What was done and what was found.
+#[derive(Default)]
+struct Tally {
+    rendered: usize,
+    refused: usize,
+    comparisons: usize,
+    layers: usize,
+    failures: Vec<String>,
+}
+
+/// The renderers that every scene goes through.
+struct Sweep {
+    cpus: [CpuRenderer; THREADS.len()],
+    sizes: Sizes,
+    tally: Tally,
+}
+
+impl Sweep {
+    /// Renders a file under its own lights, and under one of each kind.
+    fn file(&mut self, file: &str, path: &Path) {
+        let scene = match (import(path), REFUSED.iter().find(|(refused, _)| *refused == file)) {
+            (Ok(scene), None) => scene,
+            (Err(_), Some(_)) => {
+                self.tally.refused += 1;
+                return;
+            }
+            (Ok(_), Some((_, reason))) => {
+                self.tally.failures.push(format!("{file}: it loads and must be refused: {reason}"));
+                return;
+            }
+            (Err(error), None) => {
+                self.tally.failures.push(format!("{file}: it is refused: {error}"));
+                return;
+            }
+        };
+        let prepared = self.cpus[0].prepare(&scene);
+        let uploaded = match pollster::block_on(renderers::gpu().upload(&scene)) {
+            Ok(uploaded) => uploaded,
+            Err(error) => {
+                self.tally.failures.push(format!("{file}: {error}"));
+                return;
+            }
+        };
+        self.tally.rendered += 1;
+        // What the renderers hold of a scene is without its lights, which reach them in the plan.
+        let mut lit = scene.clone();
+        self.lit_scene(&format!("{file} own lights"), &lit, &prepared, &uploaded);
+        for (name, light) in one_of_each(&scene) {
+            lit = lit.with_lights(vec![SceneLight { name: name.into(), light }]);
+            self.lit_scene(&format!("{file} {name}"), &lit, &prepared, &uploaded);
+        }
+    }
+
+    /// Renders a scene under the lights that it has with everything there is, and compares.
+    fn lit_scene(&mut self, case: &str, scene: &Scene, prepared: &PreparedScene<'_>, uploaded: &GpuScene) {
+        match self.compare(case, scene, &scene.cameras()[0].camera, prepared, uploaded) {
+            Ok(layers) => {
+                self.tally.comparisons += 1;
+                self.tally.layers += layers;
+            }
+            Err(failure) => self.tally.failures.push(failure),
+        }
+    }
+
+    /// How many layers agree, if all do.
+    fn compare(
+        &self,
+        case: &str,
+        scene: &Scene,
+        camera: &Camera,
+        prepared: &PreparedScene<'_>,
+        uploaded: &GpuScene,
+    ) -> Result<usize, String> {
+        let failed = |error: &dyn std::error::Error| format!("{case}: {error}");
+        let settings = ShadowSettings { map_size: self.sizes.map, ..ShadowSettings::default() };
+        let (width, height) = self.sizes.picture;
+        let plan = FramePlan::new(scene, camera, &settings, width, height, None).map_err(|error| failed(&error))?;
+        let on_cpu = |renderer: &CpuRenderer| renderer.render(prepared, &plan, Request::ALL).map_err(|error| failed(&error));
+        let cpu = on_cpu(&self.cpus[0])?.frame;
+        let mut failures = String::new();
+        for (renderer, threads) in self.cpus.iter().zip(THREADS).skip(1) {
+            failures += &differing_bytes(case, threads, &cpu, &on_cpu(renderer)?.frame);
+        }
+        let gpu =
+            pollster::block_on(renderers::gpu().render(uploaded, &plan, Request::ALL)).map_err(|error| failed(&error))?.frame;
+        let comparison = compare(&cpu, &gpu, scene, &plan, contract()).map_err(|error| failed(&error))?;
+        failures += &disagreement(case, &comparison, &cpu, &gpu).unwrap_or_default();
+        if failures.is_empty() { Ok(comparison.layers.len()) } else { Err(failures) }
+    }
+}
+
+/// A line for each layer whose bytes depend on the number of threads.
+fn differing_bytes(case: &str, threads: usize, one: &Frame, many: &Frame) -> String {
+    let mut lines = String::new();
+    if one.layers.len() != many.layers.len() {
+        let _ = writeln!(lines, "{case}: with {threads} threads there are {} layers", many.layers.len());
+    }
+    for (a, b) in one.layers.iter().zip(&many.layers) {
+        if a.name != b.name || a.pixels.as_bytes() != b.pixels.as_bytes() {
+            let _ = writeln!(lines, "{case}: {} with {threads} threads is not what it is with one", a.name);
+        }
+    }
+    lines
+}
+
+/// What a panic said.
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let owned = panic.downcast_ref::<String>().map(String::as_str);
+    owned.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without a message")
+}
+
+/// Every file below `SHADOW_SCENES`: small by default, at full size if `SHADOW_TESTS_FULL` is set. What fails is told of all of them together.
+#[test]
+fn every_scene_agrees() {
+    let Some(folder) = scenes("every_scene_agrees") else { return };
+    let files: Vec<_> = scene_files(&folder).into_iter().filter(|file| !file.starts_with(MALFORMED)).collect();
+    assert!(!files.is_empty(), "there is no scene below {}", folder.display());
+    for (refused, _) in REFUSED {
+        assert!(files.iter().any(|file| file == refused), "{refused} is listed as refused, and not there");
+    }
+    let start = Instant::now();
+    let cpus = THREADS.map(|threads| CpuRenderer::new(threads, renderers::rules()).expect("the threads start"));
+    let sizes = if is_full() { Sizes::FULL } else { Sizes::SMALL };
+    let mut sweep = Sweep { cpus, sizes, tally: Tally::default() };
+    for file in &files {
+        // The other scenes are worth hearing of even if one makes a renderer panic.
+        let result = catch_unwind(AssertUnwindSafe(|| sweep.file(file, &folder.join(file))));
+        if let Err(panic) = result {
+            sweep.tally.failures.push(format!("{file}: {}", message(&*panic)));
+        }
+    }
+    let Sweep { sizes: Sizes { picture: (width, height), map }, tally, .. } = sweep;
+    let Tally { rendered, refused, comparisons, layers, failures } = tally;
+    say(&format!(
+        "every_scene_agrees: {} scene files, {rendered} rendered at {width} x {height} with maps of {map} x {map}, {refused} refused as listed; \
+         {comparisons} frames with {layers} layers are the same on CPU and GPU ({} contract) and with {THREADS:?} threads; {} failures; {:.0} s",
+        files.len(),
+        contract().name(),
+        failures.len(),
+        start.elapsed().as_secs_f64()
+    ));
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
+}
