@@ -321,7 +321,7 @@ mod tests {
     fn scenes_count_with_the_backends_copies() {
         let amounts = Amounts { vertices: 10, triangles: 100, texels: 1000, ..AMOUNTS };
         let demand = amounts.of_work(Work::Bench(&[Backend::Cpu]));
-        assert_eq!((demand.meshes, demand.textures), (10 * (48 + 36) + 100 * (16 + 108), 8000));
+        assert_eq!((demand.meshes, demand.textures), (10 * (48 + 68) + 100 * (16 + 124), 8000));
     }
 
     #[test]

@@ -117,3 +117,107 @@ pub(crate) fn prefetch<T>(wanted: &T) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = wanted;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        Fused, Kernel, LANES, MultiplyAdd, Separate, dispatch,
+        lanes::{Floats, Ints, Lanes},
+        run_portable,
+    };
+
+    /// Every operation on every pair of numbers that differ in kind; the bits of all results.
+    struct EveryOperation;
+
+    impl Kernel for EveryOperation {
+        type Output = Vec<u32>;
+
+        #[inline(always)]
+        fn run<L: Lanes, M: MultiplyAdd>(self) -> Vec<u32> {
+            let numbers = [
+                0.0, -0.0, 1.0, -1.5, 1e-40, -1e-40, 3.4e38, -3.4e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1, 16_777_217.0,
+                -0.333_333_34, 255.75, 1e-6,
+            ];
+            let integers = [0, 1, -1, 2, 63, -64, 1 << 30, -(1 << 30), i32::MAX, i32::MIN, 12_345, -12_345, 7, 255, 256, -257];
+            let mut bits = Vec::new();
+            for shift in 0..numbers.len() {
+                for half in [0, LANES] {
+                    let pick = |offset: usize| core::array::from_fn::<_, LANES, _>(|lane| numbers[(half + lane + offset) % 16]);
+                    let (a, b, c) = (L::F::load(&pick(0)), L::F::load(&pick(shift)), L::F::load(&pick(3 * shift + 1)));
+                    let pick = |offset: usize| core::array::from_fn::<_, LANES, _>(|lane| integers[(half + lane + offset) % 16]);
+                    let (i, j) = (L::I::load(&pick(0)), L::I::load(&pick(shift)));
+                    let steps = shift as u32 % 8;
+                    let floats = [
+                        a + b,
+                        a - b,
+                        a * b,
+                        a / b,
+                        a.min(b),
+                        a.max(b),
+                        M::multiply_add_lanes(a, b, c),
+                        i.to_floats(),
+                        i.select_negative(a, b),
+                    ];
+                    let ints = [
+                        i + j,
+                        i - j,
+                        i * j,
+                        i & j,
+                        i | j,
+                        i.min(j),
+                        i.max(j),
+                        i.shift_right(steps),
+                        i.shift_left(steps),
+                        i.greater(j),
+                        i.equal(j),
+                        a.less(b),
+                        i.select_negative_ints(j, i),
+                    ];
+                    for lanes in floats {
+                        let mut values = [0.0; LANES];
+                        lanes.store(&mut values);
+                        // What a result that is no number looks like is each processor's choice.
+                        bits.extend(values.map(|value| if value.is_nan() { f32::NAN.to_bits() } else { value.to_bits() }));
+                    }
+                    for lanes in ints {
+                        let mut values = [0; LANES];
+                        lanes.store(&mut values);
+                        bits.extend(values.map(|value| value as u32));
+                    }
+                    bits.push(i.negative_bits());
+                    let rows: [[f32; 4]; LANES] = core::array::from_fn(|row| core::array::from_fn(|i| (4 * row + i + shift) as f32));
+                    for column in L::F::columns(rows.each_ref()) {
+                        let mut values = [0.0; LANES];
+                        column.store(&mut values);
+                        bits.extend(values.map(f32::to_bits));
+                    }
+                    let pairs = core::array::from_fn(|row| (row as i64 + 100) << 32 | i64::from(integers[row] as u32));
+                    for column in L::I::columns(pairs) {
+                        let mut values = [0; LANES];
+                        column.store(&mut values);
+                        bits.extend(values.map(|value| value as u32));
+                    }
+                }
+            }
+            bits
+        }
+    }
+
+    #[test]
+    fn both_kinds_of_vectors_give_the_same_bits() {
+        for fused in [false, true] {
+            let portable = run_portable(fused, EveryOperation);
+            let best = dispatch(fused, EveryOperation);
+            assert!(portable.len() > 10_000);
+            for (i, (portable, best)) in portable.iter().zip(&best).enumerate() {
+                assert_eq!(portable, best, "number {i}, fused: {fused}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fused_product_is_rounded_once() {
+        let (a, c) = (1.0 + f32::EPSILON, -1.0);
+        assert_ne!(Fused::multiply_add(a, a, c).to_bits(), Separate::multiply_add(a, a, c).to_bits());
+    }
+}

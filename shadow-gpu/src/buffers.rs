@@ -44,9 +44,10 @@ pub(crate) fn output_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> w
 /// The width of a table, a texture that holds a list, in texels.
 pub(crate) const TABLE_WIDTH: u32 = 1 << TABLE_WIDTH_BITS;
 
-/// How many rows a table of `texels` texels has; one at least, since there is no empty texture.
+/// How many rows a table of `texels` texels has: an odd number, and never one. Lavapipe compiles a shader anew, which takes a second, for textures whose
+/// height is a power of two where the last one's was not.
 pub(crate) fn table_rows(texels: u64) -> u64 {
-    texels.div_ceil(u64::from(TABLE_WIDTH)).max(1)
+    texels.div_ceil(u64::from(TABLE_WIDTH)).max(3) | 1
 }
 
 /// Texels with which the last row is full.
