@@ -135,8 +135,22 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes, M: MultiplyAdd>(self) -> Vec<u32> {
             let numbers = [
-                0.0, -0.0, 1.0, -1.5, 1e-40, -1e-40, 3.4e38, -3.4e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1, 16_777_217.0,
-                -0.333_333_34, 255.75, 1e-6,
+                0.0,
+                -0.0,
+                1.0,
+                -1.5,
+                1e-40,
+                -1e-40,
+                3.4e38,
+                -3.4e38,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                f32::NAN,
+                0.1,
+                16_777_217.0,
+                -0.333_333_34,
+                255.75,
+                1e-6,
             ];
             let integers = [0, 1, -1, 2, 63, -64, 1 << 30, -(1 << 30), i32::MAX, i32::MIN, 12_345, -12_345, 7, 255, 256, -257];
             let mut bits = Vec::new();
@@ -185,7 +199,8 @@ mod tests {
                         bits.extend(values.map(|value| value as u32));
                     }
                     bits.push(i.negative_bits());
-                    let rows: [[f32; 4]; LANES] = core::array::from_fn(|row| core::array::from_fn(|i| (4 * row + i + shift) as f32));
+                    let rows: [[f32; 4]; LANES] =
+                        core::array::from_fn(|row| core::array::from_fn(|i| (4 * row + i + shift) as f32));
                     for column in L::F::columns(rows.each_ref()) {
                         let mut values = [0.0; LANES];
                         column.store(&mut values);
