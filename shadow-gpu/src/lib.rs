@@ -13,6 +13,7 @@ mod clock;
 mod error;
 mod limits;
 mod wait;
+mod passes;
 mod pipelines;
 mod buffers;
 mod readback;

@@ -2,10 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use shadow_math::{
-    fit::CUBE_FACES,
-    plan::{LightPlan, ViewPlan},
-};
+use shadow_math::plan::{LightPlan, ViewPlan};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
@@ -18,6 +15,7 @@ use crate::{
     clock::{Instant, milliseconds},
     error::GpuError,
     limits::LimitCheck,
+    passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
     pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
     readback::read_buffer,
     shelf::{Kept, Shelf},
@@ -698,76 +696,5 @@ impl GpuRenderer {
         }
         self.check_driver()?;
         Ok(Rendered { frame: Frame { source: format!("gpu: {}", self.summary.name), layers }, times })
-    }
-}
-
-/// Blocks of uniforms in one buffer.
-struct Slices {
-    buffer: wgpu::Buffer,
-    /// Bytes of a block.
-    size: u64,
-    /// From the beginning of a block to that of the next.
-    stride: u32,
-}
-
-impl Slices {
-    /// The first block; an offset chooses another.
-    fn first(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &self.buffer,
-            offset: 0,
-            size: std::num::NonZeroU64::new(self.size),
-        })
-    }
-}
-
-/// The views of a light, in as many places as a light can have views.
-fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; CUBE_FACES.len()] {
-    let mut views = [bytemuck::Zeroable::zeroed(); CUBE_FACES.len()];
-    let own = &plan.views[light.first_view as usize..][..light.view_count as usize];
-    views[..own.len()].copy_from_slice(own);
-    views
-}
-
-/// One layer of a texture, to be drawn into.
-fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        label: Some("layer"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
-}
-
-/// A pass whose fragments write all of `target`.
-fn full_screen_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str, target: &wgpu::TextureView) -> wgpu::RenderPass<'a> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-        })],
-        ..Default::default()
-    })
-}
-
-/// A view of the depths of all layers.
-fn depth_array_view() -> wgpu::TextureViewDescriptor<'static> {
-    wgpu::TextureViewDescriptor {
-        label: Some("depths"),
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    }
-}
-
-/// A depth attachment that is cleared first and kept.
-fn depth_attachment(view: &wgpu::TextureView, clear: f32) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store }),
-        stencil_ops: None,
     }
 }
