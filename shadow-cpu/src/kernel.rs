@@ -223,7 +223,7 @@ mod tests {
         for fused in [false, true] {
             let portable = run_portable(fused, EveryOperation);
             let best = dispatch(fused, EveryOperation);
-            assert!(portable.len() > 10_000);
+            assert!(portable.len() > 7_000);
             for (i, (portable, best)) in portable.iter().zip(&best).enumerate() {
                 assert_eq!(portable, best, "number {i}, fused: {fused}");
             }
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_fused_product_is_rounded_once() {
-        let (a, c) = (1.0 + f32::EPSILON, -1.0);
+        let (a, c) = (1.0 + f32::EPSILON, -(1.0 + 2.0 * f32::EPSILON));
         assert_ne!(Fused::multiply_add(a, a, c).to_bits(), Separate::multiply_add(a, a, c).to_bits());
     }
 }
