@@ -60,6 +60,27 @@ proptest! {
         prop_assert!(times.iter().all(|&times| times == 1), "{:?}", times.iter().max());
     }
 
+    /// Each pixel has the nearest of the depths that the triangles have alone: what is skipped as hidden is hidden.
+    #[test]
+    fn nothing_but_what_is_hidden_is_left_out(
+        corners in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-1.5..1.5_f32)), 1..12),
+        size in (1..150_u32, 1..150_u32),
+        rules in rules(),
+    ) {
+        let target = flat(size.0, size.1);
+        // Half of the corners lie on the near plane, where depths are equal.
+        let depth = |z: f32| (z / 3.0).max(0.0);
+        let positions: Vec<Vec3> = corners.as_flattened().iter().map(|&[x, y, z]| Vec3::new(x, y, depth(z))).collect();
+        let triangles: Vec<[u32; 3]> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mut nearest = vec![1.0_f32; (size.0 * size.1) as usize];
+        for &triangle in &triangles {
+            for (nearest, depth) in nearest.iter_mut().zip(covered(&positions, &[triangle], &target, &rules)) {
+                *nearest = nearest.min(depth);
+            }
+        }
+        prop_assert_eq!(covered(&positions, &triangles, &target, &rules), nearest);
+    }
+
     /// Clipping changes where a triangle ends, never what it covers inside: a large one covers the pixels that its edges enclose.
     #[test]
     fn a_triangle_beyond_the_view_covers_what_its_edges_enclose(
@@ -127,6 +148,28 @@ fn what_lies_behind_the_eye_or_is_no_number_covers_nothing() {
     let crossing = [Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, -1.0, 3.0), Vec3::new(0.0, 1.0, 3.0)];
     let depths = covered(&crossing, &[[0, 1, 2]], &target, &RasterRules::default());
     assert!(depths.iter().any(|&depth| depth < 1.0) && depths.iter().all(|depth| (0.0..=1.0).contains(depth)));
+}
+
+/// A point whose w is 0, or so small that its inverse is infinite, has no place in the window.
+#[test]
+fn a_triangle_with_a_vertex_in_the_eye_covers_what_it_does_without_overflow() {
+    let target = Target {
+        // w = z, and depth is 0 everywhere.
+        clip_rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4], [0.0, 0.0, 1.0, 0.0]],
+        width: 10,
+        height: 1,
+    };
+    let tiny = f32::from_bits(1);
+    let step = -9.536_743e-7;
+    let behind = [Vec3::new(0.0, step, step), Vec3::new(1e-38, step, step)];
+    let before = Vec3::new(0.75, 0.0, 26.5);
+    let rules = RasterRules { clip: ClipRule::GuardBand, ..RasterRules::default() };
+    for at_eye in [Vec3::ZERO, Vec3::new(tiny, 1e-38, 0.0), Vec3::splat(tiny), Vec3::new(-tiny, tiny, 2.0 * tiny)] {
+        for positions in [[at_eye, behind[0], before], [behind[0], behind[1], at_eye], [at_eye, at_eye * 2.0, behind[1]]] {
+            let depths = covered(&positions, &[[0, 1, 2]], &target, &rules);
+            assert!(depths.iter().all(|&depth| depth == 1.0), "{positions:?} cover {depths:?}");
+        }
+    }
 }
 
 /// The largest coordinates that the rules allow: overflow checks are on where this runs unoptimised.

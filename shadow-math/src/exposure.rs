@@ -36,11 +36,11 @@ impl Default for Exposure {
 }
 
 impl Exposure {
-    /// The exposure under which a matt white surface that receives `illuminance` lux is nearly white. Zero lux gives that of 1 lux,
-    /// so that an unlit scene is dark and not undefined.
+    /// The exposure under which a matt white surface that receives `illuminance` lux is nearly white. Zero lux, or so little that the
+    /// scale would be infinite, gives that of 1 lux, so that an unlit scene is dark and not undefined.
     #[must_use]
     pub fn of_illuminance(illuminance: f32) -> Self {
-        let illuminance = if illuminance > 0.0 && illuminance.is_finite() { illuminance } else { 1.0 };
+        let illuminance = if illuminance >= f32::MIN_POSITIVE && illuminance.is_finite() { illuminance } else { 1.0 };
         let white = illuminance * crate::shade::INVERSE_PI / WHITE_SURFACE_SHARE;
         Self { scale: 1.0 / white, ambient: AMBIENT_COLOR * (AMBIENT_SHARE * illuminance) }
     }
@@ -111,6 +111,9 @@ mod tests {
 
     #[test]
     fn darkness_has_an_exposure() {
-        assert_eq!(Exposure::automatic([], Aabb::EMPTY), Exposure::of_illuminance(1.0));
+        let dark = Exposure::of_illuminance(1.0);
+        assert_eq!(Exposure::automatic([], Aabb::EMPTY), dark);
+        assert_eq!(Exposure::of_illuminance(1e-44), dark);
+        assert!(Exposure::of_illuminance(f32::MIN_POSITIVE).scale.is_finite());
     }
 }

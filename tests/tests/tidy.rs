@@ -30,6 +30,9 @@ const LIBRARIES: &[&str] = &["shadow-math/", "shadow-scene/", "shadow-cpu/", "sh
 /// Where files may be read or written.
 const FILE_ACCESS: &[&str] = &["shadow-scene/src/import", "shadow-cli/", "tests/"];
 
+/// The fuzz targets: a workspace of their own, which inherits nothing from this one.
+const FUZZ: &str = "tests/fuzz/";
+
 /// The longest source file, in lines.
 const MAX_LINES: usize = 700;
 
@@ -503,7 +506,8 @@ fn no_module_doc(source: &Source) -> Vec<Breach> {
 #[test]
 fn every_file_says_what_it_is() {
     let mut sources = rust_in_src();
-    sources.extend(rust_sources().into_iter().filter(|source| source.path.starts_with("tests/tests/")));
+    let has_folder = |source: &Source| source.path.starts_with("tests/tests/") || source.path.starts_with(FUZZ);
+    sources.extend(rust_sources().into_iter().filter(has_folder));
     assert_rule(&sources, no_module_doc);
 }
 
@@ -584,9 +588,18 @@ fn not_inherited(manifest: &Source) -> Vec<Breach> {
 
 #[test]
 fn crates_inherit_what_they_share() {
-    let manifests: Vec<_> = files(&["rs", "toml"]).into_iter().filter(|source| source.path.ends_with("/Cargo.toml")).collect();
+    let is_inside = |source: &Source| source.path.ends_with("/Cargo.toml") && !source.path.starts_with(FUZZ);
+    let manifests: Vec<_> = files(&["rs", "toml"]).into_iter().filter(is_inside).collect();
     assert_eq!(manifests.len(), EDGES.len(), "every crate has a manifest");
     assert_rule(&manifests, not_inherited);
+}
+
+/// Fuzz targets need a compiler and flags that the other crates do without: whoever builds the workspace does not build them.
+#[test]
+fn fuzz_targets_are_a_workspace_of_their_own() {
+    let manifest = read(&format!("{FUZZ}Cargo.toml"));
+    assert!(manifest.lines().any(|line| line == "[workspace]"), "{FUZZ}Cargo.toml is no workspace");
+    assert!(!names(&metadata()["packages"], "name").contains(&"shadow-fuzz"), "the workspace has the fuzz targets");
 }
 
 /// Every version of Rust that the README names is the workspace's, and it names it.

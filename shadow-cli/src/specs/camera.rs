@@ -74,7 +74,8 @@ pub(crate) struct WrittenCamera {
     pub(crate) is_level: bool,
 }
 
-/// Describes a perspective camera, which lies relative to `origin`, in a scene of these bounds; there is no description of parallel rays.
+/// Describes a perspective camera, which lies relative to `origin`, in a scene of these bounds. There is no description of parallel rays,
+/// nor of a camera so far away that its direction is lost in the digits of its place.
 pub(crate) fn spec_of(camera: &Camera, origin: DVec3, bounds: Aabb) -> Option<WrittenCamera> {
     let Projection::Perspective { vertical_fov, .. } = camera.projection else { return None };
     let radius = f64::from(bounds.radius()).max(f64::from(f32::MIN_POSITIVE));
@@ -84,13 +85,26 @@ pub(crate) fn spec_of(camera: &Camera, origin: DVec3, bounds: Aabb) -> Option<Wr
     // A millionth of the scene is far less than a pixel.
     let decimals = (6.0 - radius.log10().ceil()).clamp(0.0, 12.0) as usize;
     let point = |point: DVec3| (point + origin).to_array().map(|coordinate| shortest(coordinate, decimals)).join(",");
-    let fov = shortest(vertical_fov.to_degrees(), 4);
+    let fov = angle_text(vertical_fov.to_degrees());
     let text = format!("eye={};target={};fov={fov}", point(camera.eye), point(target));
-    let level = Camera::look_at(camera.eye, target, camera.projection).ok()?;
-    /// The largest sine of an angle of roll that nobody sees: 0.06 degrees, a pixel at a thousand pixels from the centre.
-    const MAX_ROLL: f64 = 1e-3;
-    let is_level = (level.orientation * DVec3::X - camera.orientation * DVec3::X).length() < MAX_ROLL;
+    // What was written decides: its numbers are rounded, and the roll of a camera that looks down nearly straight hangs on their last digits.
+    let Ok(CameraChoice::Placed(read)) = text.parse() else { return None };
+    let read = read.to_camera(origin, radius).ok()?;
+    /// The largest sine of an angle of turn or roll that nobody sees: 0.06 degrees, a pixel at a thousand pixels from the centre.
+    const MAX_TURN: f64 = 1e-3;
+    let keeps = |axis: DVec3| (read.orientation * axis - camera.orientation * axis).length() < MAX_TURN;
+    if !keeps(DVec3::NEG_Z) {
+        return None;
+    }
+    let is_level = keeps(DVec3::X);
     Some(WrittenCamera { text, is_level })
+}
+
+/// An angle of view in degrees, with four decimals; with more where it or what it lacks to 180 degrees would have fewer than four digits.
+fn angle_text(degrees: f64) -> String {
+    let narrow = degrees.min(180.0 - degrees);
+    let decimals = (3.0 - narrow.log10().floor()).clamp(4.0, 12.0);
+    shortest(degrees, decimals as usize)
 }
 
 /// A number with at most so many decimals and no zeros at the end.
@@ -149,6 +163,26 @@ mod tests {
         assert!(!spec_of(&rolled, origin, bounds).unwrap().is_level);
         let projection = Projection::Orthographic { half_height: 1.0, near: 0.0, far: 10.0 };
         assert_eq!(spec_of(&Camera { projection, ..camera }, origin, bounds), None);
+    }
+
+    /// What is written can be read again, also where rounding could make it nonsense.
+    #[test]
+    fn an_extreme_camera_is_written_as_what_it_is_or_not_at_all() {
+        let bounds = Aabb::from_points([glam::Vec3::splat(-3.0), glam::Vec3::splat(3.0)]);
+        let rewritten = |text: &str| {
+            let Ok(CameraChoice::Placed(spec)) = text.parse() else { panic!("{text}") };
+            let radius = f64::from(bounds.radius());
+            spec_of(&spec.to_camera(DVec3::ZERO, radius).unwrap(), DVec3::ZERO, bounds)
+        };
+        for fov in ["0.00001", "0.00014", "179.99999", "40.5"] {
+            let written = rewritten(&format!("eye=4,2,6;target=0,1,0;fov={fov}")).unwrap();
+            assert!(written.is_level && written.text.ends_with(&format!("fov={fov}")), "{}", written.text);
+        }
+        assert_eq!(rewritten("eye=4,2,6;target=0,1,0;fov=1e-20"), None);
+        assert_eq!(rewritten("eye=1e20,0,0;target=2e20,1e20,0"), None, "a step of 1e20 in double precision is 16 km");
+        // Just above the angle to the vertical at which y cannot be up; rounded, just below it.
+        let written = rewritten("eye=0,9,0;target=0.001530004,0,0").unwrap();
+        assert!(!written.is_level, "{}", written.text);
     }
 
     #[test]

@@ -99,7 +99,9 @@ pub(crate) fn clip_triangle<M: MultiplyAdd>(
     let mut previous = window(polygon.vertices[1]);
     for vertex in &polygon.vertices[2..polygon.len] {
         let vertex = window(*vertex);
-        emit(first, previous, vertex);
+        if first.has_room() && previous.has_room() && vertex.has_room() {
+            emit(first, previous, vertex);
+        }
         previous = vertex;
     }
 }

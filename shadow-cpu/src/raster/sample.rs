@@ -233,7 +233,9 @@ fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, 
             }
             let mut lanes = [0.0; LANES];
             farthest.store(&mut lanes);
-            let farther = |a: f32, b: f32| if T::SMALLER_IS_NEARER { a.max(b) } else { a.min(b) };
+            // A comparison, not `f32::max`: there is no NaN to care for, and where LLVM 22 does not unroll that reduction, as in instrumented
+            // builds, it forgets the last lanes.
+            let farther = |a: f32, b: f32| if (a > b) == T::SMALLER_IS_NEARER { a } else { b };
             tile.farthest(block_row)[block] = lanes.into_iter().reduce(farther).unwrap_or_default();
         }
     }

@@ -1,9 +1,11 @@
 //! Vertices to window coordinates, each once.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{ClipRule, RasterRules};
+use super::{ClipRule, RasterRules, pass::MAX_TARGET_SIZE};
 use crate::kernel::{Kernel, LANES, MultiplyAdd, dispatch, lanes::Lanes};
 
 /// Vertex positions as separate arrays, padded to whole vectors: the form that the transform reads at full width.
@@ -59,6 +61,7 @@ pub(crate) mod outcode {
     pub(crate) const BOTTOM: u8 = 8;
     pub(crate) const NEAR: u8 = 16;
     pub(crate) const FAR: u8 = 32;
+    pub(crate) const ALL: u8 = RIGHT | LEFT | TOP | BOTTOM | NEAR | FAR;
 }
 
 /// A vertex in the window: x and y in pixels from the top left corner, z as depth; and x and y on the sub-pixel grid, counted from the
@@ -70,6 +73,20 @@ pub(crate) struct WindowVertex {
     pub(crate) z: f32,
     pub(crate) grid_x: i32,
     pub(crate) grid_y: i32,
+}
+
+impl WindowVertex {
+    /// Whether the vertex lies where the edge functions have room for it, and is a number.
+    ///
+    /// A vertex inside the clip volume does: the guard band of the largest target ends a pixel before. One that clipping made need
+    /// not, where the volume is so narrow, at the eye, or the coordinates so large that rounding leaves nothing of it.
+    #[inline(always)]
+    pub(crate) fn has_room(&self) -> bool {
+        /// Half the largest target in pixels.
+        const HALF: f32 = 0.5 * MAX_TARGET_SIZE as f32;
+        const ROOM: RangeInclusive<f32> = HALF - ClipRule::GUARD_BAND * HALF - 1.0..=HALF + ClipRule::GUARD_BAND * HALF + 1.0;
+        ROOM.contains(&self.x) && ROOM.contains(&self.y) && self.z.is_finite()
+    }
 }
 
 /// The rows of a matrix from world to clip space, and the size of the target.
@@ -105,7 +122,8 @@ impl Viewpoint {
         }
     }
 
-    /// The planes that a clip point lies outside of. A point that is not a number lies outside of all.
+    /// The planes that a clip point lies outside of. A point that is not a number, or whose w is so small that its inverse is not,
+    /// lies outside of all.
     #[inline(always)]
     pub(crate) fn outcode(clip: [f32; 4], side: f32) -> u32 {
         let [x, y, z, w] = clip;
@@ -117,6 +135,7 @@ impl Viewpoint {
             | bit(y >= -limit, outcode::BOTTOM)
             | bit(z >= 0.0, outcode::NEAR)
             | bit(z <= w, outcode::FAR)
+            | bit(w >= f32::MIN_POSITIVE, outcode::ALL)
     }
 }
 

@@ -24,7 +24,7 @@ use crate::{
 ///
 /// # Errors
 ///
-/// [`PlanError::Camera`] and [`PlanError::PictureSize`].
+/// [`PlanError::Camera`], [`PlanError::PictureSize`] and [`PlanError::CameraOverflow`].
 pub fn plan_camera(
     camera: &Camera,
     width: u32,
@@ -43,7 +43,7 @@ pub fn plan_camera(
     // The rays come from the pose itself: an infinite far plane has no inverse that could be unprojected.
     let half_extent = camera.half_extent(aspect);
     let perspective = matches!(camera.projection, crate::Projection::Perspective { .. });
-    Ok(CameraPlan {
+    let plan = CameraPlan {
         clip_x,
         clip_y,
         clip_z,
@@ -62,7 +62,10 @@ pub fn plan_camera(
         height,
         light_count,
         padding: 0,
-    })
+    };
+    let CameraPlan { clip_x, clip_y, clip_z, clip_w, ambient, exposure, .. } = plan;
+    let is_finite = are_finite(&[&clip_x, &clip_y, &clip_z, &clip_w, &ambient, &[exposure]]) && has_finite_rays(&plan.rays);
+    if is_finite { Ok(plan) } else { Err(PlanError::CameraOverflow) }
 }
 
 /// How many views a light takes under these settings: 1 or 6.
@@ -157,7 +160,38 @@ pub fn plan_light(
             }
         }
     }
-    Ok(plan)
+    if is_usable_light(&plan) && views.iter().all(is_usable_view) { Ok(plan) } else { Err(PlanError::LightOverflow) }
+}
+
+/// Whether rounding to f32 left every number finite.
+fn are_finite(numbers: &[&[f32]]) -> bool {
+    numbers.iter().copied().flatten().all(|number| number.is_finite())
+}
+
+/// Whether the rays have finite numbers.
+fn has_finite_rays(rays: &PixelRays) -> bool {
+    let PixelRays { origin, origin_dx, origin_dy, direction, direction_dx, direction_dy } = rays;
+    are_finite(&[origin, origin_dx, origin_dy, direction, direction_dx, direction_dy])
+}
+
+/// Whether a light's plan has finite numbers.
+fn is_usable_light(plan: &LightPlan) -> bool {
+    let LightPlan { position, intensity, inverse_range, axis, cone_scale, cone_offset, .. } = plan;
+    are_finite(&[position, intensity, axis, &[*inverse_range, *cone_scale, *cone_offset]])
+}
+
+/// Whether a view's plan has finite numbers, and lengths that rounding to f32 did not make 0 or equal.
+fn is_usable_view(plan: &ViewPlan) -> bool {
+    let [near, far] = plan.depth_range;
+    let is_deep = near < far && (plan.w_per_metre == 0.0 || near > 0.0);
+    let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w];
+    let inverse = [plan.world_from_texel_x, plan.world_from_texel_y, plan.world_from_depth];
+    let pairs = [plan.rounding_texels, plan.rounding_depth, plan.depth_range, plan.texel_metres];
+    is_deep
+        && plan.depth_factor > 0.0
+        && plan.texel_metres.iter().all(|&metres| metres > 0.0)
+        && are_finite(&[matrices.as_flattened(), inverse.as_flattened(), pairs.as_flattened(), &[plan.depth_factor]])
+        && has_finite_rays(&plan.rays)
 }
 
 /// Writes the bias into a light's plan.
@@ -326,6 +360,21 @@ mod tests {
         assert_eq!(error, PlanError::Views { needed: 6, given: 5 });
         let error = plan_light(&sun, &[], Aabb::EMPTY, &settings, 0, &mut few).unwrap_err();
         assert_eq!(error, PlanError::EmptyBounds);
+    }
+
+    #[test]
+    fn what_single_precision_does_not_hold_is_refused() {
+        let projection = crate::Projection::Perspective { vertical_fov: 0.8, near: 0.1, far: None };
+        let narrow = crate::Projection::Perspective { vertical_fov: 1e-300, near: 0.1, far: None };
+        for (eye, projection) in [(DVec3::X * 1e39, projection), (DVec3::X, narrow)] {
+            let camera = Camera::look_at(eye, DVec3::ZERO, projection).unwrap();
+            assert_eq!(plan_camera(&camera, 64, 36, Exposure::default(), 0), Err(PlanError::CameraOverflow), "{eye}");
+        }
+        for (position, range) in [(Vec3::splat(3e38), None), (Vec3::Y, Some(1e-44)), (Vec3::Y, Some(1e-39))] {
+            let light = Light { kind: LightKind::Point { position, range }, color: Vec3::ONE, intensity: 1.0 };
+            let error = plan(&light, &ShadowSettings::default()).unwrap_err();
+            assert_eq!(error, PlanError::LightOverflow, "{position} {range:?}");
+        }
     }
 
     #[test]

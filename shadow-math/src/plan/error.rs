@@ -14,6 +14,10 @@ pub enum PlanError {
     Light(LightError),
     /// The camera cannot be used.
     Camera(CameraError),
+    /// The camera's numbers, or what follows from them, are not finite in single precision.
+    CameraOverflow,
+    /// The light's numbers, or those of its views, are not finite in single precision, or vanish there.
+    LightOverflow,
     /// The map's size in texels is out of range.
     MapSize(u32),
     /// The bias, in metres, is negative or not finite.
@@ -45,6 +49,12 @@ impl core::fmt::Display for PlanError {
         match self {
             Self::Light(error) => error.fmt(f),
             Self::Camera(error) => error.fmt(f),
+            Self::CameraOverflow => f.write_str(
+                "the camera's position, angle of view or planes are too large or too small for single precision; choose others",
+            ),
+            Self::LightOverflow => f.write_str(
+                "the light's position, range or cone, or the scene's size, is too large or too small for single precision; choose others",
+            ),
             Self::MapSize(size) => {
                 write!(
                     f,
