@@ -122,20 +122,20 @@ impl Viewpoint {
         }
     }
 
-    /// The planes that a clip point lies outside of. A point that is not a number, or whose w is so small that its inverse is not,
-    /// lies outside of all.
+    /// The planes that a clip point lies outside of. One inside whose w is so small that its inverse is infinite, the eye itself, counts as
+    /// outside of all, so that nothing takes its place in the window for one.
     #[inline(always)]
     pub(crate) fn outcode(clip: [f32; 4], side: f32) -> u32 {
         let [x, y, z, w] = clip;
         let limit = w * side;
         let bit = |inside: bool, code: u8| if inside { 0 } else { u32::from(code) };
-        bit(x <= limit, outcode::RIGHT)
+        let planes = bit(x <= limit, outcode::RIGHT)
             | bit(x >= -limit, outcode::LEFT)
             | bit(y <= limit, outcode::TOP)
             | bit(y >= -limit, outcode::BOTTOM)
             | bit(z >= 0.0, outcode::NEAR)
-            | bit(z <= w, outcode::FAR)
-            | bit(w >= f32::MIN_POSITIVE, outcode::ALL)
+            | bit(z <= w, outcode::FAR);
+        planes | bit(planes != 0 || w >= f32::MIN_POSITIVE, outcode::ALL)
     }
 }
 
