@@ -16,7 +16,6 @@ mod wait;
 mod passes;
 mod pipelines;
 mod buffers;
-mod readback;
 mod renderer;
 mod shelf;
 

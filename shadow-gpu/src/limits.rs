@@ -1,6 +1,6 @@
 //! Checks against the adapter's limits before anything is made, so that the answer is a sentence and not a driver's error.
 
-use shadow_scene::{FramePlan, Scene, Surfaces};
+use shadow_scene::{FramePlan, Request, Scene, Surfaces};
 
 use crate::{
     buffers::{TABLE_WIDTH, table_rows},
@@ -30,13 +30,6 @@ impl LimitCheck<'_> {
         Err(GpuError::Limit { what: what.into(), needed, allowed, limit, adapter: self.adapter.into(), way_out })
     }
 
-    fn buffer(&self, what: &str, bytes: u64, way_out: &'static str) -> Result<(), GpuError> {
-        let binding = self.limits.max_storage_buffer_binding_size;
-        let what = format!("{what} in bytes");
-        self.at_most(what.clone(), bytes, binding, "maxStorageBufferBindingSize", way_out)?;
-        self.at_most(what, bytes, self.limits.max_buffer_size, "maxBufferSize", way_out)
-    }
-
     fn table(&self, what: &str, texels: u64, way_out: &'static str) -> Result<(), GpuError> {
         let rows = u64::from(self.limits.max_texture_dimension_2d);
         let what = format!("{what} in rows of {TABLE_WIDTH} texels");
@@ -51,7 +44,7 @@ impl LimitCheck<'_> {
         self.table("the scene's textures", surfaces.words.len() as u64, WAY_OUT)
     }
 
-    /// A frame's textures and buffers.
+    /// A frame's textures.
     pub(crate) fn frame(&self, plan: &FramePlan) -> Result<(), GpuError> {
         let size = u64::from(self.limits.max_texture_dimension_2d);
         let camera = &plan.camera;
@@ -69,14 +62,39 @@ impl LimitCheck<'_> {
             allowed,
             "maxTextureArrayLayers",
             "use fewer lights (a point light takes six maps)",
-        )?;
-        let pixels = u64::from(camera.width) * u64::from(camera.height);
-        self.buffer("the picture's colour", pixels * 16, "render a smaller picture")?;
-        self.buffer(
-            "the visibility of all lights",
-            pixels * 4 * plan.lights.len() as u64,
-            "render a smaller picture or use fewer lights",
-        )?;
-        self.buffer("a shadow map", map * map * 4, "choose a smaller --map-size")
+        )
     }
+
+    /// What a request reads back, in the buffers that it is read through: known before anything is drawn.
+    pub(crate) fn request(&self, plan: &FramePlan, request: Request) -> Result<(), GpuError> {
+        let (picture, map) = ([plan.camera.width, plan.camera.height], [plan.map_size; 2]);
+        if request.camera || request.visibility {
+            self.numbers(picture)?;
+        }
+        if request.color {
+            self.colors(picture)?;
+        }
+        if request.shadow_maps { self.numbers(map) } else { Ok(()) }
+    }
+
+    /// A layer of numbers that is read back.
+    pub(crate) fn numbers(&self, size: [u32; 2]) -> Result<(), GpuError> {
+        let (what, bytes) = layer_bytes(size, size_of::<f32>());
+        self.at_most(what.as_str(), bytes, self.limits.max_storage_buffer_binding_size, "maxStorageBufferBindingSize", SMALLER)?;
+        self.at_most(what, bytes, self.limits.max_buffer_size, "maxBufferSize", SMALLER)
+    }
+
+    /// Colours that are read back.
+    pub(crate) fn colors(&self, size: [u32; 2]) -> Result<(), GpuError> {
+        let (what, bytes) = layer_bytes(size, size_of::<[f32; 4]>());
+        self.at_most(what, bytes, self.limits.max_buffer_size, "maxBufferSize", SMALLER)
+    }
+}
+
+/// What to do about a layer that is too large to be read back.
+const SMALLER: &str = "render a smaller picture or map, or use the CPU backend";
+
+/// A layer in words, and its bytes.
+fn layer_bytes([width, height]: [u32; 2], pixel: usize) -> (String, u64) {
+    (format!("reading a layer of {width} x {height} back, in bytes"), u64::from(width) * u64::from(height) * pixel as u64)
 }

@@ -45,20 +45,28 @@ pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureVi
     })
 }
 
-/// A pass whose fragments write all of `target`.
+/// A pass whose fragments write `target` where the camera's depth has something, and which has `background` elsewhere.
 pub(crate) fn full_screen_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     label: &str,
     target: &wgpu::TextureView,
+    background: wgpu::Color,
+    camera_depth: &wgpu::Texture,
 ) -> wgpu::RenderPass<'a> {
+    let depth = camera_depth.create_view(&wgpu::TextureViewDescriptor::default());
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: target,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(background), store: wgpu::StoreOp::Store },
         })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &depth,
+            depth_ops: None,
+            stencil_ops: None,
+        }),
         ..Default::default()
     })
 }

@@ -161,7 +161,7 @@ fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::Rend
     })
 }
 
-/// A pass over all pixels whose fragments write one number or colour each.
+/// A pass over all pixels that show a triangle, whose fragments write one number or colour each.
 fn full_screen_pipeline(
     device: &wgpu::Device,
     entry_point: &str,
@@ -180,7 +180,14 @@ fn full_screen_pipeline(
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
+        // Depth is reversed and the triangle on the far plane: only where the camera saw something is the stored depth greater.
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,

@@ -1,29 +1,27 @@
 //! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
 
+mod readback;
+
 use std::sync::{Arc, Mutex, PoisonError};
 
-use shadow_math::plan::{LightPlan, ViewPlan};
+use shadow_math::{
+    plan::{LightPlan, ViewPlan},
+    shade::BACKGROUND,
+};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
 use crate::{
     adapter::{AdapterSummary, choose_adapter, new_instance},
-    buffers::{
-        TABLE_WIDTH, buffer_with, decode_array, material_table, output_buffer, table_rows, triangle_table, vertex_table,
-        word_table,
-    },
+    buffers::{TABLE_WIDTH, buffer_with, decode_array, material_table, table_rows, triangle_table, vertex_table, word_table},
     clock::{Instant, milliseconds},
     error::GpuError,
     limits::LimitCheck,
     passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
     pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
-    readback::read_buffer,
     shelf::{Kept, Shelf},
     wait::submitted_work,
 };
-
-/// Width and height of a compute workgroup in pixels, as the shaders have it.
-const WORKGROUP: u32 = 8;
 
 /// A renderer on one adapter.
 pub struct GpuRenderer {
@@ -160,6 +158,10 @@ impl GpuRenderer {
         self.device.limits()
     }
 
+    fn limit_check<'a>(&'a self, limits: &'a wgpu::Limits) -> LimitCheck<'a> {
+        LimitCheck { adapter: &self.summary.name, limits }
+    }
+
     /// Submits a stage and waits until the GPU has done it.
     async fn finish(&self, encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
         self.queue.submit([encoder.finish()]);
@@ -186,7 +188,7 @@ impl GpuRenderer {
     /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
     pub async fn upload(&self, scene: &Scene) -> Result<GpuScene, GpuError> {
         let surfaces = Surfaces::of(scene);
-        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.scene(scene, &surfaces)?;
+        self.limit_check(&self.limits()).scene(scene, &surfaces)?;
         let positions =
             buffer_with(&self.device, "positions", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices().positions));
         let indices = buffer_with(&self.device, "indices", BufferUsages::INDEX, bytemuck::cast_slice(scene.triangles()));
@@ -283,7 +285,7 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if they do not fit, [`GpuError::Driver`].
     pub async fn shadow_maps(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuMaps, GpuError> {
-        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        self.limit_check(&self.limits()).frame(plan)?;
         let layers = (plan.views.len() as u32).max(1);
         let size = [plan.map_size, plan.map_size, layers];
         let texture = self.kept_texture("shadow maps", size, DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
@@ -360,7 +362,7 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if the picture does not fit, [`GpuError::Driver`].
     pub async fn camera(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuCameraBuffer, GpuError> {
-        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        self.limit_check(&self.limits()).frame(plan)?;
         let size = [plan.camera.width, plan.camera.height, 1];
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let ids = self.kept_texture("triangles seen", size, ID_FORMAT, usage);
@@ -414,7 +416,7 @@ impl GpuRenderer {
         camera: &GpuCameraBuffer,
         maps: &GpuMaps,
     ) -> Result<GpuVisibility, GpuError> {
-        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        self.limit_check(&self.limits()).frame(plan)?;
         let size = [plan.camera.width, plan.camera.height, (plan.lights.len() as u32).max(1)];
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let texture = self.kept_texture("visibility", size, VISIBILITY_FORMAT, usage);
@@ -438,7 +440,7 @@ impl GpuRenderer {
         let mut encoder = self.encoder("visibility");
         for light in 0..plan.lights.len() as u32 {
             let target = layer_view(&texture, light);
-            let mut pass = full_screen_pass(&mut encoder, "visibility", &target);
+            let mut pass = full_screen_pass(&mut encoder, "visibility", &target, wgpu::Color::WHITE, &camera.depth);
             pass.set_pipeline(&self.pipelines.visibility);
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
@@ -460,7 +462,7 @@ impl GpuRenderer {
         camera: &GpuCameraBuffer,
         visibility: &GpuVisibility,
     ) -> Result<GpuColor, GpuError> {
-        LimitCheck { adapter: &self.summary.name, limits: &self.limits() }.frame(plan)?;
+        self.limit_check(&self.limits()).frame(plan)?;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let texture = self.kept_texture("color", [plan.camera.width, plan.camera.height, 1], COLOR_FORMAT, usage);
         let buffers = self.plan_buffers(plan);
@@ -479,7 +481,9 @@ impl GpuRenderer {
         let mut encoder = self.encoder("color");
         {
             let target = layer_view(&texture, 0);
-            let mut pass = full_screen_pass(&mut encoder, "color", &target);
+            let [r, g, b] = BACKGROUND.map(f64::from);
+            let background = wgpu::Color { r, g, b, a: 1.0 };
+            let mut pass = full_screen_pass(&mut encoder, "color", &target, background, &camera.depth);
             pass.set_pipeline(&self.pipelines.color);
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &scene.surfaces, &[]);
@@ -508,119 +512,6 @@ impl GpuRenderer {
         Slices { buffer, size, stride: stride as u32 }
     }
 
-    /// Records a compute pass with one invocation for each pixel.
-    fn compute(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::ComputePipeline,
-        groups: &[&wgpu::BindGroup],
-        [width, height]: [u32; 2],
-    ) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(pipeline);
-        for (index, group) in (0..).zip(groups) {
-            pass.set_bind_group(index, *group, &[]);
-        }
-        pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
-    }
-
-    async fn read_depths(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>, GpuError> {
-        let count = texture.width() as usize * texture.height() as usize;
-        let destination = output_buffer(&self.device, "depths read back", 4 * count as u64);
-        let selected = buffer_with(&self.device, "layer", BufferUsages::UNIFORM, bytemuck::bytes_of(&layer));
-        let view = texture.create_view(&depth_array_view());
-        let group = self.bind(
-            "readback",
-            &self.pipelines.layouts.readback,
-            &[wgpu::BindingResource::TextureView(&view), selected.as_entire_binding(), destination.as_entire_binding()],
-        );
-        let mut encoder = self.encoder("read depths back");
-        self.compute(&mut encoder, &self.pipelines.readback, &[&group], [texture.width(), texture.height()]);
-        self.queue.submit([encoder.finish()]);
-        let depths = read_buffer(&self.device, &self.queue, &destination, count).await?;
-        self.check_driver()?;
-        Ok(depths)
-    }
-
-    /// Reads one layer of shadow maps back: depths row by row from the top.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Driver`].
-    pub async fn read_map(&self, maps: &GpuMaps, layer: u32) -> Result<Vec<f32>, GpuError> {
-        self.read_depths(&maps.texture, layer).await
-    }
-
-    /// Reads the camera's triangle indices and depths back.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Driver`].
-    pub async fn read_camera(&self, camera: &GpuCameraBuffer) -> Result<(Vec<u32>, Vec<f32>), GpuError> {
-        let count = camera.ids.width() as usize * camera.ids.height() as usize;
-        let destination = output_buffer(&self.device, "triangles read back", 4 * count as u64);
-        let view = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
-        let group = self.bind(
-            "readback of ids",
-            &self.pipelines.layouts.readback_id,
-            &[wgpu::BindingResource::TextureView(&view), destination.as_entire_binding()],
-        );
-        let mut encoder = self.encoder("read triangles back");
-        self.compute(&mut encoder, &self.pipelines.readback_id, &[&group], [camera.ids.width(), camera.ids.height()]);
-        self.queue.submit([encoder.finish()]);
-        let ids = read_buffer(&self.device, &self.queue, &destination, count).await?;
-        Ok((ids, self.read_depths(&camera.depth, 0).await?))
-    }
-
-    /// Reads the visibility of one light back.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Driver`].
-    pub async fn read_visibility(&self, visibility: &GpuVisibility, light: u32) -> Result<Vec<f32>, GpuError> {
-        self.read_depths(&visibility.texture, light).await
-    }
-
-    /// Reads colours back.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Driver`].
-    pub async fn read_color(&self, color: &GpuColor) -> Result<Vec<[f32; 4]>, GpuError> {
-        const PIXEL_BYTES: u32 = 16;
-        let (width, height) = (color.texture.width(), color.texture.height());
-        // Rows of a copy begin at multiples of so many bytes.
-        let row_bytes = (width * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let bytes = u64::from(row_bytes) * u64::from(height);
-        let destination = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("colors read back"),
-            size: bytes,
-            usage: BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.encoder("read colors back");
-        encoder.copy_texture_to_buffer(
-            color.texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &destination,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
-            },
-            color.texture.size(),
-        );
-        self.queue.submit([encoder.finish()]);
-        let row_pixels = (row_bytes / PIXEL_BYTES) as usize;
-        let mut pixels: Vec<[f32; 4]> =
-            read_buffer(&self.device, &self.queue, &destination, row_pixels * height as usize).await?;
-        self.check_driver()?;
-        if row_pixels != width as usize {
-            for row in 1..height as usize {
-                pixels.copy_within(row * row_pixels..row * row_pixels + width as usize, row * width as usize);
-            }
-            pixels.truncate(width as usize * height as usize);
-        }
-        Ok(pixels)
-    }
-
     /// Renders a frame: all stages that the layers asked for need, in a row.
     ///
     /// # Errors
@@ -642,6 +533,7 @@ impl GpuRenderer {
         request: Request,
         maps: Option<GpuMaps>,
     ) -> Result<Rendered, GpuError> {
+        self.limit_check(&self.limits()).request(plan, request)?;
         let start = Instant::now();
         let needs_visibility = request.visibility || request.color;
         let camera = if request.camera || needs_visibility { Some(self.camera(scene, plan).await?) } else { None };

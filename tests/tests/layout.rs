@@ -23,11 +23,10 @@ use shadow_math::{
         BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT,
         LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
     },
-    shade::{BACKGROUND, INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
+    shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
     visibility::NO_VIEW,
 };
-use shadow_scene::NO_TRIANGLE;
 use shadow_tests::mirror::MIRRORS;
 
 /// Every module that the renderer makes of the files.
@@ -200,7 +199,6 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         FILTER_HARD,
         FILTER_BILINEAR,
         SNAP_TEXELS,
-        NO_TRIANGLE,
         MAX_DEPTH_BIAS,
         MAX_GRADIENT,
         NO_VIEW,
@@ -214,7 +212,6 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         INVERSE_PI,
         SPECULAR_REFLECTANCE,
         SPECULAR_SCALE,
-        BACKGROUND,
         MIN_HIGHLIGHT,
         GRADIENT_MARGIN,
         MAX_TEXEL_COORDINATE,

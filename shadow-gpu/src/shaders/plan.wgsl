@@ -16,8 +16,6 @@ const FILTER_BILINEAR: u32 = 1u;
 
 const SNAP_TEXELS: f32 = 0.001953125;
 
-const NO_TRIANGLE: u32 = 0xffffffffu;
-
 struct PixelRays {
     origin: vec4f,
     origin_dx: vec4f,

@@ -1,4 +1,4 @@
-// The colour of every pixel, linear, after exposure. Reads visibilities, never a map. Mirrors SurfaceSpan of shadow-cpu/src/resolve/color.rs.
+// The colour of every pixel that shows a triangle, linear, after exposure: the depth test leaves the others as they were cleared. Reads visibilities, never a map. Mirrors SurfaceSpan of shadow-cpu/src/resolve/color.rs.
 
 @group(2) @binding(0) var<uniform> camera: CameraPlan;
 @group(2) @binding(1) var<storage, read> lights: array<LightPlan>;
@@ -6,9 +6,6 @@
 @group(2) @binding(3) var visibilities: texture_2d_array<f32>;
 
 fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
-    if triangle == NO_TRIANGLE {
-        return vec4f(BACKGROUND, 1.0);
-    }
     let ray = pixel_ray(camera.rays, x, y);
     let hit = scene_point(triangle, ray);
     let base = scene_color(triangle, hit);

@@ -1,4 +1,4 @@
-// The visibility of one light at every pixel. Mirrors resolve of shadow-cpu/src/resolve.rs.
+// The visibility of one light at every pixel that shows a triangle: the depth test leaves the others as they were cleared. Mirrors resolve of shadow-cpu/src/resolve.rs.
 
 @group(1) @binding(0) var<uniform> camera: CameraPlan;
 // The light, whose first view is the first one of `views`.
@@ -15,9 +15,6 @@ fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {
 @fragment
 fn resolve_visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
     let triangle = textureLoad(seen, vec2u(position.xy), 0).x;
-    if triangle == NO_TRIANGLE {
-        return 1.0;
-    }
     // A fragment's position is its pixel's centre.
     let ray = pixel_ray(camera.rays, position.x, position.y);
     let hit = scene_point(triangle, ray);

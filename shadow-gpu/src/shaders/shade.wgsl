@@ -4,7 +4,6 @@ const INVERSE_PI: f32 = 0.318309886;
 const SPECULAR_REFLECTANCE: f32 = 0.04;
 const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
 const MIN_HIGHLIGHT: f32 = 8.6736174e-19;
-const BACKGROUND: vec3f = vec3f(0.42, 0.55, 0.72);
 
 struct Surface {
     point: vec3f,
