@@ -146,10 +146,10 @@ mod tests {
                 f32::INFINITY,
                 f32::NEG_INFINITY,
                 f32::NAN,
-                0.1,
+                0.5,
                 16_777_217.0,
                 -0.333_333_34,
-                255.75,
+                254.5,
                 1e-6,
             ];
             let integers = [0, 1, -1, 2, 63, -64, 1 << 30, -(1 << 30), i32::MAX, i32::MIN, 12_345, -12_345, 7, 255, 256, -257];
@@ -185,6 +185,9 @@ mod tests {
                         i.greater(j),
                         i.equal(j),
                         a.less(b),
+                        a.at_most(b),
+                        // What does not fit 32 bits is each processor's choice.
+                        a.min(L::F::splat(1e9)).max(L::F::splat(-1e9)).round(),
                         i.select_negative_ints(j, i),
                     ];
                     for lanes in floats {
@@ -201,13 +204,17 @@ mod tests {
                     bits.push(i.negative_bits());
                     let rows: [[f32; 4]; LANES] =
                         core::array::from_fn(|row| core::array::from_fn(|i| (4 * row + i + shift) as f32));
-                    for column in L::F::columns(rows.each_ref()) {
+                    let columns = L::F::columns(rows.each_ref());
+                    assert_eq!(L::F::rows(columns), rows);
+                    for column in columns {
                         let mut values = [0.0; LANES];
                         column.store(&mut values);
                         bits.extend(values.map(f32::to_bits));
                     }
                     let pairs = core::array::from_fn(|row| (row as i64 + 100) << 32 | i64::from(integers[row] as u32));
-                    for column in L::I::columns(pairs) {
+                    let columns = L::I::columns(pairs);
+                    assert_eq!(L::I::pairs(columns), pairs);
+                    for column in columns {
                         let mut values = [0; LANES];
                         column.store(&mut values);
                         bits.extend(values.map(|value| value as u32));

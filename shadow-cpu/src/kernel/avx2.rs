@@ -3,13 +3,14 @@
 
 use std::{
     arch::x86_64::{
-        __m256, __m256i, _CMP_LT_OQ, _mm_cvtsi32_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256, _mm256_blendv_epi8,
-        _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cmpgt_epi32,
-        _mm256_cvtepi32_ps, _mm256_div_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128,
-        _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32,
-        _mm256_or_si256, _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi64x, _mm256_shuffle_ps,
-        _mm256_sll_epi32, _mm256_sra_epi32, _mm256_srai_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32,
-        _mm256_sub_ps, _mm256_unpackhi_ps, _mm256_unpacklo_ps,
+        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsi32_si128, _mm_storeu_ps, _mm256_add_epi32, _mm256_add_ps,
+        _mm256_and_si256, _mm256_blendv_epi8, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps,
+        _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_epi32, _mm256_div_ps,
+        _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_max_epi32,
+        _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_or_si256,
+        _mm256_permute2x128_si256, _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi64x,
+        _mm256_shuffle_ps, _mm256_sll_epi32, _mm256_sra_epi32, _mm256_srai_epi32, _mm256_storeu_ps, _mm256_storeu_si256,
+        _mm256_sub_epi32, _mm256_sub_ps, _mm256_unpackhi_epi32, _mm256_unpackhi_ps, _mm256_unpacklo_epi32, _mm256_unpacklo_ps,
     },
     ops::{Add, BitAnd, BitOr, Div, Mul, Sub},
 };
@@ -104,6 +105,18 @@ impl Floats for Avx2Floats {
     }
 
     #[inline(always)]
+    fn at_most(self, other: Self) -> Avx2Ints {
+        // SAFETY: the processor has AVX2, as `Avx2` says.
+        Avx2Ints(unsafe { _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) })
+    }
+
+    #[inline(always)]
+    fn round(self) -> Avx2Ints {
+        // SAFETY: the processor has AVX2, as `Avx2` says. Rust programs run with the default rounding mode, to the nearest and even.
+        Avx2Ints(unsafe { _mm256_cvtps_epi32(self.0) })
+    }
+
+    #[inline(always)]
     fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
         // SAFETY: the processor has AVX2, as `Avx2` says; each reference holds four numbers, of any alignment.
         unsafe {
@@ -121,6 +134,28 @@ impl Floats for Avx2Floats {
                 Self(_mm256_shuffle_ps::<0b11_10_11_10>(high01, high23)),
             ]
         }
+    }
+
+    #[inline(always)]
+    fn rows([c0, c1, c2, c3]: [Self; 4]) -> [[f32; 4]; LANES] {
+        let mut rows = [[0.0; 4]; LANES];
+        // SAFETY: the processor has AVX2, as `Avx2` says; each reference holds four numbers, of any alignment.
+        unsafe {
+            let (low01, low23) = (_mm256_unpacklo_ps(c0.0, c1.0), _mm256_unpacklo_ps(c2.0, c3.0));
+            let (high01, high23) = (_mm256_unpackhi_ps(c0.0, c1.0), _mm256_unpackhi_ps(c2.0, c3.0));
+            // Rows i and i + 4 side by side.
+            let pairs = [
+                _mm256_shuffle_ps::<0b01_00_01_00>(low01, low23),
+                _mm256_shuffle_ps::<0b11_10_11_10>(low01, low23),
+                _mm256_shuffle_ps::<0b01_00_01_00>(high01, high23),
+                _mm256_shuffle_ps::<0b11_10_11_10>(high01, high23),
+            ];
+            for (row, pair) in pairs.into_iter().enumerate() {
+                _mm_storeu_ps(rows[row].as_mut_ptr(), _mm256_castps256_ps128(pair));
+                _mm_storeu_ps(rows[row + 4].as_mut_ptr(), _mm256_extractf128_ps::<1>(pair));
+            }
+        }
+        rows
     }
 }
 
@@ -217,5 +252,20 @@ impl Ints for Avx2Ints {
             let second = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(low, high));
             [Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(first)), Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(second))]
         }
+    }
+
+    #[inline(always)]
+    fn pairs([low, high]: [Self; 2]) -> [i64; LANES] {
+        let mut pairs = [0; LANES];
+        // SAFETY: the processor has AVX2, as `Avx2` says; both halves of the array hold four numbers of 64 bits, of any alignment.
+        unsafe {
+            // Pairs 0 1 4 5 and 2 3 6 7.
+            let first = _mm256_unpacklo_epi32(low.0, high.0);
+            let second = _mm256_unpackhi_epi32(low.0, high.0);
+            let (front, back) = pairs.split_at_mut(4);
+            _mm256_storeu_si256(front.as_mut_ptr().cast(), _mm256_permute2x128_si256::<0x20>(first, second));
+            _mm256_storeu_si256(back.as_mut_ptr().cast(), _mm256_permute2x128_si256::<0x31>(first, second));
+        }
+        pairs
     }
 }

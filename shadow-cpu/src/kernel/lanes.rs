@@ -22,8 +22,14 @@ pub(crate) trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Ou
     fn max(self, other: Self) -> Self;
     /// All bits set where `self < other`.
     fn less(self, other: Self) -> Self::Ints;
+    /// All bits set where `self <= other`.
+    fn at_most(self, other: Self) -> Self::Ints;
+    /// The nearest whole numbers, of two the even one; what does not fit 32 bits, or is not a number, becomes some number.
+    fn round(self) -> Self::Ints;
     /// The columns of eight rows.
     fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4];
+    /// The rows of four columns.
+    fn rows(columns: [Self; 4]) -> [[f32; 4]; LANES];
 }
 
 /// Eight i32. As a mask, all bits of a lane are set or none.
@@ -54,6 +60,8 @@ pub(crate) trait Ints:
     fn negative_bits(self) -> u32;
     /// The low and the high halves of eight pairs.
     fn columns(pairs: [i64; LANES]) -> [Self; 2];
+    /// Eight pairs of these low and high halves.
+    fn pairs(columns: [Self; 2]) -> [i64; LANES];
 }
 
 /// The vectors of one kind of processor.
@@ -148,8 +156,23 @@ impl Floats for PortableFloats {
     }
 
     #[inline(always)]
+    fn at_most(self, other: Self) -> PortableInts {
+        PortableInts(core::array::from_fn(|lane| mask(self.0[lane] <= other.0[lane])))
+    }
+
+    #[inline(always)]
+    fn round(self) -> PortableInts {
+        PortableInts(self.0.map(|x| x.round_ties_even() as i32))
+    }
+
+    #[inline(always)]
     fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
         core::array::from_fn(|column| Self(rows.map(|row| row[column])))
+    }
+
+    #[inline(always)]
+    fn rows(columns: [Self; 4]) -> [[f32; 4]; LANES] {
+        core::array::from_fn(|lane| columns.map(|column| column.0[lane]))
     }
 }
 
@@ -225,5 +248,10 @@ impl Ints for PortableInts {
     #[inline(always)]
     fn columns(pairs: [i64; LANES]) -> [Self; 2] {
         [Self(pairs.map(|pair| pair as i32)), Self(pairs.map(|pair| (pair >> 32) as i32))]
+    }
+
+    #[inline(always)]
+    fn pairs([low, high]: [Self; 2]) -> [i64; LANES] {
+        core::array::from_fn(|lane| i64::from(high.0[lane]) << 32 | i64::from(low.0[lane] as u32))
     }
 }

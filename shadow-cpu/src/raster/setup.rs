@@ -39,6 +39,9 @@ pub(crate) struct SmallTriangle {
 /// tiles on each axis.
 pub(crate) const SMALL_PIXELS: i32 = 64;
 
+/// In boxes of at most so many pixels on each axis every sample is tested before the triangle is binned.
+const TINY_PIXELS: usize = 3;
+
 impl SmallTriangle {
     #[inline(always)]
     pub(crate) fn a(&self) -> [i32; 3] {
@@ -245,7 +248,7 @@ pub(crate) fn setup_small<L: Lanes>(
     // Edge values at the first pixel of the box, with all distances from its centre: they stay small.
     let (left, top) = (min_x.shift_left(bits), min_y.shift_left(bits));
     let mut edges = [[[0; LANES]; 3]; 3];
-    let mut outside = zero;
+    let mut outside = [[zero; TINY_PIXELS]; TINY_PIXELS];
     for (edge, [from, to]) in [[0, 1], [1, 2], [2, 0]].into_iter().enumerate() {
         let a = y[from] - y[to];
         let b = x[from] - x[to];
@@ -254,14 +257,28 @@ pub(crate) fn setup_small<L: Lanes>(
         let is_other = (L::I::splat(-1) - zero.greater(a)) & (L::I::splat(-1) - (a.equal(zero) & b.greater(L::I::splat(-1))));
         // value > 0 in steps of the grid's square, and (value - 1) >> bits >= 0 in whole pixels, are the same test.
         let c = (value + is_other).shift_right(bits);
-        outside = outside | c;
+        let mut at_row = c;
+        for row in &mut outside {
+            let mut at_pixel = at_row;
+            for pixel in row {
+                *pixel = *pixel | at_pixel;
+                at_pixel = at_pixel - a;
+            }
+            at_row = at_row + b;
+        }
         a.store(&mut edges[edge][0]);
         b.store(&mut edges[edge][1]);
         c.store(&mut edges[edge][2]);
     }
-    // A box of a single pixel is decided here.
-    let is_single = (more_x | more_y).equal(zero);
-    let covers = !(is_single & outside).negative_bits();
+    // Whether a tiny box has a sample inside is decided here: half of the triangles of dense meshes end so. Samples beyond the box are not
+    // inside, or beyond the target.
+    let tiny = L::I::splat(TINY_PIXELS as i32);
+    let is_tiny = tiny.greater(more_x) & tiny.greater(more_y);
+    let mut misses = is_tiny;
+    for sample in outside.as_flattened() {
+        misses = misses & *sample;
+    }
+    let covers = !misses.negative_bits();
 
     let plane = DepthPlane::<L::F>::through(points, L::F::splat(1.0), L::F::splat(0.5));
     let mut box_ = [[0; LANES]; 4];
@@ -272,8 +289,11 @@ pub(crate) fn setup_small<L: Lanes>(
     for (lanes, values) in planes.iter_mut().zip([plane.origin, plane.dx, plane.dy]) {
         values.store(lanes);
     }
-    for lane in 0..count {
-        if covers >> lane & 1 != 0 {
+    let mut left = covers & ((1 << count) - 1);
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
+        {
             emit(SmallTriangle {
                 id: ids[lane],
                 min_x: box_[0][lane] as u16,

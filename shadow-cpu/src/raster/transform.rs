@@ -6,7 +6,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{ClipRule, RasterRules, pass::MAX_TARGET_SIZE};
-use crate::kernel::{Kernel, LANES, MultiplyAdd, dispatch, lanes::Lanes};
+use crate::kernel::{
+    Kernel, LANES, MultiplyAdd, dispatch,
+    lanes::{Floats, Ints, Lanes},
+};
 
 /// Vertex positions as separate arrays, padded to whole vectors: the form that the transform reads at full width.
 #[derive(Clone, Debug, Default)]
@@ -121,22 +124,6 @@ impl Viewpoint {
             grid_y: ((y - 0.5) * subpixel_scale).round_ties_even() as i32,
         }
     }
-
-    /// The planes that a clip point lies outside of. One inside whose w is so small that its inverse is infinite, the eye itself, counts as
-    /// outside of all, so that nothing takes its place in the window for one.
-    #[inline(always)]
-    pub(crate) fn outcode(clip: [f32; 4], side: f32) -> u32 {
-        let [x, y, z, w] = clip;
-        let limit = w * side;
-        let bit = |inside: bool, code: u8| if inside { 0 } else { u32::from(code) };
-        let planes = bit(x <= limit, outcode::RIGHT)
-            | bit(x >= -limit, outcode::LEFT)
-            | bit(y <= limit, outcode::TOP)
-            | bit(y >= -limit, outcode::BOTTOM)
-            | bit(z >= 0.0, outcode::NEAR)
-            | bit(z <= w, outcode::FAR);
-        planes | bit(planes != 0 || w >= f32::MIN_POSITIVE, outcode::ALL)
-    }
 }
 
 impl RasterRules {
@@ -166,12 +153,6 @@ pub(crate) const OUTCODE_BITS: u32 = 6;
 pub(crate) struct GridVertex(pub(crate) i64);
 
 impl GridVertex {
-    #[inline(always)]
-    fn new(x: i32, y: i32, outcode: u32) -> Self {
-        let low = (x << OUTCODE_BITS) as u32 | outcode;
-        Self(i64::from(y) << 32 | i64::from(low))
-    }
-
     #[inline(always)]
     pub(crate) fn x(self) -> i32 {
         self.0 as i32 >> OUTCODE_BITS
@@ -252,12 +233,66 @@ impl Kernel for TransformKernel<'_> {
         let positions = self.positions;
         let vectors = positions.x[self.first..].iter().zip(&positions.y[self.first..]).zip(&positions.z[self.first..]);
         for ((grid, window), ((x, y), z)) in self.grid.iter_mut().zip(self.window).zip(vectors) {
+            let position = [L::F::load(x), L::F::load(y), L::F::load(z)];
+            let (pairs, rows) = transform_lanes::<L, M>(self.view, position, side, scale);
             for lane in 0..LANES {
-                let clip = self.view.clip(x[lane], y[lane], z[lane]);
-                let vertex = self.view.window::<M>(clip, scale);
-                grid[lane] = GridVertex::new(vertex.grid_x, vertex.grid_y, Viewpoint::outcode(clip, side));
-                window[lane] = [vertex.x, vertex.y, vertex.z, 0.0];
+                grid[lane] = GridVertex(pairs[lane]);
             }
+            *window = rows;
         }
     }
+}
+
+/// Where the lanes of a point do not lie inside a plane, the plane's bit. What is not a number lies inside of nothing.
+#[inline(always)]
+fn bit_outside<L: Lanes>(inside: L::I, plane: u8) -> L::I {
+    let bit = L::I::splat(plane.into());
+    bit - (inside & bit)
+}
+
+/// The planes that clip points lie outside of. One inside whose w is so small that its inverse is infinite, the eye itself, counts as outside of
+/// all, so that nothing takes its place in the window for one.
+#[inline(always)]
+fn outcodes<L: Lanes>([x, y, z, w]: [L::F; 4], side: f32) -> L::I {
+    let zero = L::F::splat(0.0);
+    let limit = w * L::F::splat(side);
+    let planes = bit_outside::<L>(x.at_most(limit), outcode::RIGHT)
+        | bit_outside::<L>((zero - limit).at_most(x), outcode::LEFT)
+        | bit_outside::<L>(y.at_most(limit), outcode::TOP)
+        | bit_outside::<L>((zero - limit).at_most(y), outcode::BOTTOM)
+        | bit_outside::<L>(zero.at_most(z), outcode::NEAR)
+        | bit_outside::<L>(z.at_most(w), outcode::FAR);
+    let is_outside = planes.greater(L::I::splat(0));
+    planes | bit_outside::<L>(is_outside | L::F::splat(f32::MIN_POSITIVE).at_most(w), outcode::ALL)
+}
+
+/// Coordinates in pixels as steps of the sub-pixel grid from the first pixel's centre.
+#[inline(always)]
+fn on_grid<L: Lanes>(x: L::F, subpixel_scale: f32) -> L::I {
+    ((x - L::F::splat(0.5)) * L::F::splat(subpixel_scale)).round()
+}
+
+/// Eight vertices on the grid, as [`GridVertex`], and in the window: [`Viewpoint::clip`] and [`Viewpoint::window`] in vectors.
+#[inline(always)]
+fn transform_lanes<L: Lanes, M: MultiplyAdd>(
+    view: &Viewpoint,
+    [x, y, z]: [L::F; 3],
+    side: f32,
+    subpixel_scale: f32,
+) -> ([i64; LANES], [[f32; 4]; LANES]) {
+    let mut clip = [L::F::splat(0.0); 4];
+    for (clip, row) in clip.iter_mut().zip(&view.rows) {
+        *clip = L::F::splat(row[0]) * x + L::F::splat(row[1]) * y + L::F::splat(row[2]) * z + L::F::splat(row[3]);
+    }
+    let [x, y, z, w] = clip;
+    let outcode = outcodes::<L>(clip, side);
+
+    let half_width = L::F::splat(0.5 * view.width as f32);
+    let half_height = L::F::splat(0.5 * view.height as f32);
+    let inverse_w = L::F::splat(1.0) / w;
+    let x = M::multiply_add_lanes(x * inverse_w, half_width, half_width);
+    let y = M::multiply_add_lanes(y * inverse_w, L::F::splat(-0.5 * view.height as f32), half_height);
+    let pairs =
+        L::I::pairs([on_grid::<L>(x, subpixel_scale).shift_left(OUTCODE_BITS) | outcode, on_grid::<L>(y, subpixel_scale)]);
+    (pairs, L::F::rows([x, y, z * inverse_w, L::F::splat(0.0)]))
 }
