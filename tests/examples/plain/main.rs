@@ -2,11 +2,12 @@
 //! price of its exactness, and how much the adapter's.
 //!
 //! ```text
-//! cargo run --release -p shadow-tests --example plain -- SCENE [--frames N]
+//! cargo run --release -p shadow-tests --example plain -- SCENE [--frames N] [--eye X,Y,Z --target X,Y,Z]
 //! ```
 //!
 //! The plain program draws as most do: indexed vertices, one draw for each run of a material, fixed-function depth bias, the driver's samplers, one
-//! forward pass. The scene is a glTF file; it gets one directional light, a map of 2048 x 2048 texels and a picture of 1920 x 1080 pixels.
+//! forward pass. The scene is a glTF file, or a number of triangles for `builtin::waves`, which fills the picture. It gets one directional light, a
+//! map of 2048 x 2048 texels and a picture of 1920 x 1080 pixels.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "the table is its output")]
 
 use std::{
@@ -19,11 +20,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{DVec3, Mat4, Vec3, Vec4};
 use shadow_gpu::GpuRenderer;
-use shadow_math::{Light, LightKind, ShadowSettings, shade::shininess_of_roughness};
+use shadow_math::{Camera, Light, LightKind, ShadowSettings, shade::shininess_of_roughness};
 use shadow_scene::{
-    FramePlan, Scene, import,
+    FramePlan, Scene, builtin, import,
     scene::{Alpha, Image, Material, Wrap},
 };
 use shadow_tests::lights::lit_by;
@@ -414,16 +415,58 @@ fn median(rounds: &[[Times; 2]], of: impl Fn(&[Times; 2]) -> f64) -> f64 {
     values[values.len() / 2]
 }
 
-fn run(scene: &str, frames: usize) -> Result<()> {
+/// What was asked for.
+struct Request {
+    scene: String,
+    frames: usize,
+    /// Where the camera is and what it looks at, in the file's coordinates; without it the scene's first camera.
+    view: Option<[DVec3; 2]>,
+}
+
+fn point(text: &str) -> Option<DVec3> {
+    let numbers: Vec<f64> = text.split(',').map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
+    Some(DVec3::from_array(numbers.try_into().ok()?))
+}
+
+fn request(mut arguments: impl Iterator<Item = String>) -> Option<Request> {
+    let mut request = Request { scene: arguments.next()?, frames: FRAMES, view: None };
+    let (mut eye, mut target) = (None, None);
+    while let Some(option) = arguments.next() {
+        let value = arguments.next()?;
+        match option.as_str() {
+            "--frames" => request.frames = value.parse().ok().filter(|&frames| frames > 0)?,
+            "--eye" => eye = Some(point(&value)?),
+            "--target" => target = Some(point(&value)?),
+            _ => return None,
+        }
+    }
+    request.view = match (eye, target) {
+        (Some(eye), Some(target)) => Some([eye, target]),
+        (None, None) => None,
+        _ => return None,
+    };
+    Some(request)
+}
+
+fn run(request: &Request) -> Result<()> {
+    let frames = request.frames;
     let renderer = pollster::block_on(GpuRenderer::new(None))?;
-    let scene = import(Path::new(scene))?;
+    let scene = match request.scene.parse() {
+        Ok(triangles) => builtin::waves(triangles, &[0.0]),
+        Err(_) => import(Path::new(&request.scene))?,
+    };
     let kind = LightKind::Directional { direction: DIRECTION };
     /// Of an overcast noon, in lux.
     const ILLUMINANCE: f32 = 20_000.0;
     let light = Light { kind, color: Vec3::ONE, intensity: ILLUMINANCE };
     let scene = lit_by(&scene, "sun", light);
     let settings = ShadowSettings { map_size: MAP_SIZE, ..ShadowSettings::default() };
-    let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, PICTURE.0, PICTURE.1, None)?;
+    let projection = scene.cameras()[0].camera.projection;
+    let camera = match request.view {
+        Some([eye, target]) => Camera::look_at(eye - scene.origin(), target - scene.origin(), projection)?,
+        None => scene.cameras()[0].camera,
+    };
+    let plan = FramePlan::new(&scene, &camera, &settings, PICTURE.0, PICTURE.1, None)?;
     let uploaded = pollster::block_on(renderer.upload(&scene))?;
     let plain = Plain::new(renderer.device(), renderer.queue(), &scene, &plan);
 
@@ -453,18 +496,11 @@ fn run(scene: &str, frames: usize) -> Result<()> {
 }
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let (scene, frames) = match arguments[..] {
-        [scene] => (scene, Some(FRAMES)),
-        [scene, "--frames", frames] => (scene, frames.parse().ok().filter(|&frames| frames > 0)),
-        _ => ("", None),
-    };
-    let Some(frames) = frames else {
-        eprintln!("usage: plain SCENE [--frames N], with a glTF file and a number of frames from 1");
+    let Some(request) = request(env::args().skip(1)) else {
+        eprintln!("usage: plain SCENE [--frames N] [--eye X,Y,Z --target X,Y,Z], with a glTF file or a number of triangles");
         return ExitCode::from(2);
     };
-    match run(scene, frames) {
+    match run(&request) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
