@@ -81,6 +81,40 @@ proptest! {
         prop_assert_eq!(covered(&positions, &triangles, &target, &rules), nearest);
     }
 
+    /// A square of cells that are hardly larger than a pixel, or much smaller, beyond all sides of the target: every pixel is covered once.
+    #[test]
+    fn fine_meshes_cover_every_pixel_once(
+        cells in (20..60_usize, 20..60_usize),
+        size in (8..60_u32, 8..60_u32),
+        shear in -0.3..0.3_f32,
+        rules in rules(),
+    ) {
+        let target = flat(size.0, size.1);
+        let corner = |i: usize, j: usize| {
+            let (u, v) = (i as f32 / cells.0 as f32, j as f32 / cells.1 as f32);
+            Vec3::new(3.0 * u - 1.5 + shear * (v - 0.5), 3.0 * v - 1.5 + shear * (u - 0.5), 0.5)
+        };
+        let positions: Vec<Vec3> = (0..=cells.1).flat_map(|j| (0..=cells.0).map(move |i| corner(i, j))).collect();
+        let index = |i: usize, j: usize| (j * (cells.0 + 1) + i) as u32;
+        let mut times = vec![0; (size.0 * size.1) as usize];
+        // Triangles of one half of all cells meet in corners alone: four sets, in each of which a sample can be covered once at most.
+        for half in 0..2 {
+            for parity in 0..2 {
+                let mut triangles = Vec::new();
+                for j in 0..cells.1 {
+                    for i in (0..cells.0).filter(|i| (i + j) % 2 == parity) {
+                        let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i, j + 1), index(i + 1, j + 1)];
+                        triangles.push(if half == 0 { [a, b, c] } else { [b, d, c] });
+                    }
+                }
+                for (times, depth) in times.iter_mut().zip(covered(&positions, &triangles, &target, &rules)) {
+                    *times += u32::from(depth < 1.0);
+                }
+            }
+        }
+        prop_assert!(times.iter().all(|&times| times == 1), "{:?}", times);
+    }
+
     /// Clipping changes where a triangle ends, never what it covers inside: a large one covers the pixels that its edges enclose.
     #[test]
     fn a_triangle_beyond_the_view_covers_what_its_edges_enclose(
@@ -150,9 +184,9 @@ fn what_lies_behind_the_eye_or_is_no_number_covers_nothing() {
     assert!(depths.iter().any(|&depth| depth < 1.0) && depths.iter().all(|depth| (0.0..=1.0).contains(depth)));
 }
 
-/// A point whose w is 0, or so small that its inverse is infinite, has no place in the window.
+/// A point whose w is 0 or subnormal has no place in the window.
 #[test]
-fn a_triangle_with_a_vertex_in_the_eye_covers_what_it_does_without_overflow() {
+fn a_triangle_with_a_vertex_in_the_eye_covers_nothing_here() {
     let target = Target {
         // w = z, and depth is 0 everywhere.
         clip_rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4], [0.0, 0.0, 1.0, 0.0]],
@@ -168,6 +202,22 @@ fn a_triangle_with_a_vertex_in_the_eye_covers_what_it_does_without_overflow() {
         for positions in [[at_eye, behind[0], before], [behind[0], behind[1], at_eye], [at_eye, at_eye * 2.0, behind[1]]] {
             let depths = covered(&positions, &[[0, 1, 2]], &target, &rules);
             assert!(depths.iter().all(|&depth| depth == 1.0), "{positions:?} cover {depths:?}");
+        }
+    }
+}
+
+/// A point whose clip coordinates are infinite lies inside every plane by comparison, and has no place in the window either.
+#[test]
+fn a_triangle_with_an_infinite_vertex_covers_nothing_here() {
+    let rows = [[2.0, 2.0, 2.0, 0.0], [2.0, 2.0, 2.0, 0.0], [1.0, 1.0, 1.0, 0.0], [2.0, 2.0, 2.0, 1.0]];
+    let target = Target { clip_rows: rows, width: 64, height: 64 };
+    let (near, middle) = (Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.2, 0.1));
+    for clip in [ClipRule::Viewport, ClipRule::GuardBand] {
+        for far in [Vec3::X * 3e38, Vec3::Y * 1.6e38, Vec3::Z * 1e37] {
+            for positions in [[far, near, middle], [far, middle, far], [far, far * 0.5, near]] {
+                let depths = covered(&positions, &[[0, 1, 2]], &target, &RasterRules { clip, ..RasterRules::default() });
+                assert!(depths.iter().all(|&depth| depth == 1.0), "{positions:?}");
+            }
         }
     }
 }

@@ -270,8 +270,8 @@ pub(crate) fn setup_small<L: Lanes>(
         b.store(&mut edges[edge][1]);
         c.store(&mut edges[edge][2]);
     }
-    // Whether a tiny box has a sample inside is decided here: half of the triangles of dense meshes end so. Samples beyond the box are not
-    // inside, or beyond the target.
+    // Whether a tiny box has a sample inside is decided here: half of the tiny boxes of dense meshes have none. Samples beyond the box are
+    // not inside, or beyond the target.
     let tiny = L::I::splat(TINY_PIXELS as i32);
     let is_tiny = tiny.greater(more_x) & tiny.greater(more_y);
     let mut misses = is_tiny;
@@ -289,23 +289,21 @@ pub(crate) fn setup_small<L: Lanes>(
     for (lanes, values) in planes.iter_mut().zip([plane.origin, plane.dx, plane.dy]) {
         values.store(lanes);
     }
-    let mut left = covers & ((1 << count) - 1);
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
-        {
-            emit(SmallTriangle {
-                id: ids[lane],
-                min_x: box_[0][lane] as u16,
-                min_y: box_[1][lane] as u16,
-                more_x: box_[2][lane] as u8,
-                more_y: box_[3][lane] as u8,
-                a: [edges[0][0][lane] as i16, edges[1][0][lane] as i16],
-                b: [edges[0][1][lane] as i16, edges[1][1][lane] as i16],
-                c: [edges[0][2][lane], edges[1][2][lane], edges[2][2][lane]],
-                plane: DepthPlane { origin: planes[0][lane], dx: planes[1][lane], dy: planes[2][lane] },
-            });
-        }
+    let mut waiting = covers & ((1 << count) - 1);
+    while waiting != 0 {
+        let lane = waiting.trailing_zeros() as usize;
+        waiting &= waiting - 1;
+        emit(SmallTriangle {
+            id: ids[lane],
+            min_x: box_[0][lane] as u16,
+            min_y: box_[1][lane] as u16,
+            more_x: box_[2][lane] as u8,
+            more_y: box_[3][lane] as u8,
+            a: [edges[0][0][lane] as i16, edges[1][0][lane] as i16],
+            b: [edges[0][1][lane] as i16, edges[1][1][lane] as i16],
+            c: [edges[0][2][lane], edges[1][2][lane], edges[2][2][lane]],
+            plane: DepthPlane { origin: planes[0][lane], dx: planes[1][lane], dy: planes[2][lane] },
+        });
     }
 }
 

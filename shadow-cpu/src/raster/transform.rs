@@ -250,8 +250,8 @@ fn bit_outside<L: Lanes>(inside: L::I, plane: u8) -> L::I {
     bit - (inside & bit)
 }
 
-/// The planes that clip points lie outside of. One inside whose w is so small that its inverse is infinite, the eye itself, counts as outside of
-/// all, so that nothing takes its place in the window for one.
+/// The planes that clip points lie outside of. One inside whose w is subnormal, as at the eye itself, so that its inverse can be infinite, or so
+/// large that its sides are, counts as outside of all: nothing takes its place in the window for one.
 #[inline(always)]
 fn outcodes<L: Lanes>([x, y, z, w]: [L::F; 4], side: f32) -> L::I {
     let zero = L::F::splat(0.0);
@@ -263,7 +263,8 @@ fn outcodes<L: Lanes>([x, y, z, w]: [L::F; 4], side: f32) -> L::I {
         | bit_outside::<L>(zero.at_most(z), outcode::NEAR)
         | bit_outside::<L>(z.at_most(w), outcode::FAR);
     let is_outside = planes.greater(L::I::splat(0));
-    planes | bit_outside::<L>(is_outside | L::F::splat(f32::MIN_POSITIVE).at_most(w), outcode::ALL)
+    let has_place = L::F::splat(f32::MIN_POSITIVE).at_most(w) & limit.at_most(L::F::splat(f32::MAX));
+    planes | bit_outside::<L>(is_outside | has_place, outcode::ALL)
 }
 
 /// Coordinates in pixels as steps of the sub-pixel grid from the first pixel's centre.
@@ -295,4 +296,43 @@ fn transform_lanes<L: Lanes, M: MultiplyAdd>(
     let pairs =
         L::I::pairs([on_grid::<L>(x, subpixel_scale).shift_left(OUTCODE_BITS) | outcode, on_grid::<L>(y, subpixel_scale)]);
     (pairs, L::F::rows([x, y, z * inverse_w, L::F::splat(0.0)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::kernel::{Fused, Separate, lanes::Portable};
+
+    /// What eight vertices become in vectors, and each by itself.
+    fn check<M: MultiplyAdd>(view: &Viewpoint, points: [[f32; LANES]; 3], side: f32) {
+        const SCALE: f32 = 256.0;
+        let lanes = points.map(|coordinates| <Portable as Lanes>::F::load(&coordinates));
+        let (pairs, rows) = transform_lanes::<Portable, M>(view, lanes, side, SCALE);
+        for lane in 0..LANES {
+            let [x, y, z] = points.map(|coordinates| coordinates[lane]);
+            let vertex = view.window::<M>(view.clip(x, y, z), SCALE);
+            let grid = GridVertex(pairs[lane]);
+            if grid.outcode() == 0 {
+                assert_eq!(rows[lane], [vertex.x, vertex.y, vertex.z, 0.0]);
+                assert_eq!((grid.x(), grid.y()), (vertex.grid_x, vertex.grid_y));
+            }
+        }
+    }
+
+    proptest! {
+        /// A vertex that clipping keeps has the bits that it has in its neighbours, which are not clipped: else there would be cracks.
+        #[test]
+        fn vectors_and_single_vertices_agree(
+            rows in prop::array::uniform4(prop::array::uniform4(-2.0..2.0_f32)),
+            points in prop::array::uniform3(prop::array::uniform8(-3.0..3.0_f32)),
+            size in (1..4000_u32, 1..4000_u32),
+            side in prop::sample::select(vec![1.0, ClipRule::GUARD_BAND]),
+        ) {
+            let view = Viewpoint { rows, width: size.0, height: size.1 };
+            check::<Fused>(&view, points, side);
+            check::<Separate>(&view, points, side);
+        }
+    }
 }
