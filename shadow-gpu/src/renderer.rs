@@ -23,6 +23,9 @@ use crate::{
     wait::submitted_work,
 };
 
+/// What an adapter without memory says, and what to do about it.
+const OUT_OF_MEMORY: &str = "out of memory; render a smaller picture or smaller maps, use fewer lights, or the CPU backend";
+
 /// A renderer on one adapter.
 pub struct GpuRenderer {
     summary: AdapterSummary,
@@ -113,7 +116,11 @@ impl GpuRenderer {
         let driver_error = Arc::new(Mutex::new(None));
         let slot = Arc::clone(&driver_error);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
+            let message = match error {
+                wgpu::Error::OutOfMemory { .. } => OUT_OF_MEMORY.into(),
+                error => error.to_string(),
+            };
+            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
         }));
         let slot = Arc::clone(&driver_error);
         device.set_device_lost_callback(move |reason, message| {
@@ -404,11 +411,11 @@ impl GpuRenderer {
         Ok(GpuCameraBuffer { ids, depth })
     }
 
-    /// Computes the visibility of every light at every pixel.
+    /// Computes the visibility of every light at every pixel. `camera` and `maps` must be of the same plan, or of one with the same sizes.
     ///
     /// # Errors
     ///
-    /// [`GpuError::Driver`].
+    /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
     pub async fn visibility(
         &self,
         scene: &GpuScene,
@@ -450,11 +457,11 @@ impl GpuRenderer {
         Ok(GpuVisibility { texture })
     }
 
-    /// Computes the colour of every pixel.
+    /// Computes the colour of every pixel. `camera` and `visibility` must be of the same plan, or of one with the same sizes.
     ///
     /// # Errors
     ///
-    /// [`GpuError::Driver`].
+    /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
     pub async fn color(
         &self,
         scene: &GpuScene,

@@ -1,13 +1,13 @@
 //! Bringing results back from the GPU.
 
 use bytemuck::Pod;
-
 use wgpu::BufferUsages;
 
 use super::{GpuCameraBuffer, GpuColor, GpuMaps, GpuRenderer, GpuVisibility};
 use crate::{
     buffers::{buffer_with, output_buffer},
     error::GpuError,
+    limits::{COLOR_BYTES, SMALLER_MAP, SMALLER_PICTURE, color_row_bytes},
     passes::depth_array_view,
     wait::{driver_error, promise, run_callbacks},
 };
@@ -65,8 +65,8 @@ impl GpuRenderer {
         pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
     }
 
-    async fn read_depths(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>, GpuError> {
-        self.limit_check(&self.limits()).numbers([texture.width(), texture.height()])?;
+    async fn read_depths(&self, texture: &wgpu::Texture, layer: u32, way_out: &'static str) -> Result<Vec<f32>, GpuError> {
+        self.limit_check(&self.limits()).numbers([texture.width(), texture.height()], way_out)?;
         let count = texture.width() as usize * texture.height() as usize;
         let destination = output_buffer(&self.device, "depths read back", 4 * count as u64);
         let selected = buffer_with(&self.device, "layer", BufferUsages::UNIFORM, bytemuck::bytes_of(&layer));
@@ -90,7 +90,7 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if it does not fit into the buffer that it is read through, [`GpuError::Driver`].
     pub async fn read_map(&self, maps: &GpuMaps, layer: u32) -> Result<Vec<f32>, GpuError> {
-        self.read_depths(&maps.texture, layer).await
+        self.read_depths(&maps.texture, layer, SMALLER_MAP).await
     }
 
     /// Reads the camera's triangle indices and depths back.
@@ -99,7 +99,7 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if it does not fit into the buffer that it is read through, [`GpuError::Driver`].
     pub async fn read_camera(&self, camera: &GpuCameraBuffer) -> Result<(Vec<u32>, Vec<f32>), GpuError> {
-        self.limit_check(&self.limits()).numbers([camera.ids.width(), camera.ids.height()])?;
+        self.limit_check(&self.limits()).numbers([camera.ids.width(), camera.ids.height()], SMALLER_PICTURE)?;
         let count = camera.ids.width() as usize * camera.ids.height() as usize;
         let destination = output_buffer(&self.device, "triangles read back", 4 * count as u64);
         let view = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
@@ -112,7 +112,7 @@ impl GpuRenderer {
         self.compute(&mut encoder, &self.pipelines.readback_id, &[&group], [camera.ids.width(), camera.ids.height()]);
         self.queue.submit([encoder.finish()]);
         let ids = read_buffer(&self.device, &self.queue, &destination, count).await?;
-        Ok((ids, self.read_depths(&camera.depth, 0).await?))
+        Ok((ids, self.read_depths(&camera.depth, 0, SMALLER_PICTURE).await?))
     }
 
     /// Reads the visibility of one light back.
@@ -121,7 +121,7 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if it does not fit into the buffer that it is read through, [`GpuError::Driver`].
     pub async fn read_visibility(&self, visibility: &GpuVisibility, light: u32) -> Result<Vec<f32>, GpuError> {
-        self.read_depths(&visibility.texture, light).await
+        self.read_depths(&visibility.texture, light, SMALLER_PICTURE).await
     }
 
     /// Reads colours back.
@@ -130,11 +130,9 @@ impl GpuRenderer {
     ///
     /// [`GpuError::Limit`] if it does not fit into the buffer that it is read through, [`GpuError::Driver`].
     pub async fn read_color(&self, color: &GpuColor) -> Result<Vec<[f32; 4]>, GpuError> {
-        const PIXEL_BYTES: u32 = 16;
         let (width, height) = (color.texture.width(), color.texture.height());
         self.limit_check(&self.limits()).colors([width, height])?;
-        // Rows of a copy begin at multiples of so many bytes.
-        let row_bytes = (width * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let row_bytes = color_row_bytes(width);
         let bytes = u64::from(row_bytes) * u64::from(height);
         let destination = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("colors read back"),
@@ -152,7 +150,7 @@ impl GpuRenderer {
             color.texture.size(),
         );
         self.queue.submit([encoder.finish()]);
-        let row_pixels = (row_bytes / PIXEL_BYTES) as usize;
+        let row_pixels = (row_bytes / COLOR_BYTES) as usize;
         let mut pixels: Vec<[f32; 4]> =
             read_buffer(&self.device, &self.queue, &destination, row_pixels * height as usize).await?;
         self.check_driver()?;

@@ -1,4 +1,5 @@
-// The colour of every pixel that shows a triangle, linear, after exposure: the depth test leaves the others as they were cleared. Reads visibilities, never a map. Mirrors SurfaceSpan of shadow-cpu/src/resolve/color.rs.
+// The colour of every pixel that shows a triangle, linear, after exposure: the depth test leaves the others as they were cleared.
+// Reads visibilities, never a map. Mirrors SurfaceSpan of shadow-cpu/src/resolve/color.rs.
 
 @group(2) @binding(0) var<uniform> camera: CameraPlan;
 @group(2) @binding(1) var<storage, read> lights: array<LightPlan>;

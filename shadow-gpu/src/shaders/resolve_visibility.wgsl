@@ -1,4 +1,5 @@
-// The visibility of one light at every pixel that shows a triangle: the depth test leaves the others as they were cleared. Mirrors resolve of shadow-cpu/src/resolve.rs.
+// The visibility of one light at every pixel that shows a triangle: the depth test leaves the others as they were cleared.
+// Mirrors resolve of shadow-cpu/src/resolve.rs.
 
 @group(1) @binding(0) var<uniform> camera: CameraPlan;
 // The light, whose first view is the first one of `views`.

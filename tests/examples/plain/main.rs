@@ -51,6 +51,7 @@ struct Draw {
     corners: Range<u32>,
     material: usize,
     is_masked: bool,
+    is_double_sided: bool,
 }
 
 struct Plain<'a> {
@@ -65,7 +66,8 @@ struct Plain<'a> {
     frame_of_receivers: wgpu::BindGroup,
     casters: wgpu::RenderPipeline,
     masked_casters: wgpu::RenderPipeline,
-    receivers: wgpu::RenderPipeline,
+    /// By `[is_masked][is_double_sided]`.
+    receivers: [[wgpu::RenderPipeline; 2]; 2],
     map: wgpu::TextureView,
     depth: wgpu::TextureView,
     color: wgpu::TextureView,
@@ -79,6 +81,7 @@ struct Style<'a> {
     target: Option<wgpu::ColorTargetState>,
     depth_compare: wgpu::CompareFunction,
     bias: wgpu::DepthBiasState,
+    cull_mode: Option<wgpu::Face>,
     groups: &'a [Option<&'a wgpu::BindGroupLayout>],
 }
 
@@ -103,7 +106,7 @@ fn pipeline(device: &wgpu::Device, module: &wgpu::ShaderModule, style: &Style<'_
                 attributes,
             })],
         },
-        primitive: wgpu::PrimitiveState::default(),
+        primitive: wgpu::PrimitiveState { cull_mode: style.cull_mode, ..wgpu::PrimitiveState::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(true),
@@ -204,8 +207,14 @@ fn draws(scene: &Scene) -> Vec<Draw> {
         match draws.last_mut() {
             Some(last) if last.material == material => last.corners.end = 3 * (triangle + 1),
             _ => {
-                let is_masked = matches!(scene.materials()[material].alpha, Alpha::Mask { .. });
-                draws.push(Draw { corners: 3 * triangle..3 * (triangle + 1), material, is_masked });
+                let Material { alpha, double_sided, .. } = scene.materials()[material];
+                let is_masked = matches!(alpha, Alpha::Mask { .. });
+                draws.push(Draw {
+                    corners: 3 * triangle..3 * (triangle + 1),
+                    material,
+                    is_masked,
+                    is_double_sided: double_sided,
+                });
             }
         }
     }
@@ -242,6 +251,7 @@ impl<'a> Plain<'a> {
             target: None,
             depth_compare: wgpu::CompareFunction::Less,
             bias: BIAS,
+            cull_mode: None,
             groups: &[Some(&caster_layout)],
         };
         let casters = pipeline(device, &module, &style);
@@ -262,7 +272,15 @@ impl<'a> Plain<'a> {
             groups: &[Some(&receiver_layout), Some(&material_layout)],
             ..masked
         };
-        let receivers = pipeline(device, &module, &forward);
+        let receivers = ["forward", "masked_forward"].map(|fragment| {
+            [Some(wgpu::Face::Back), None].map(|cull_mode| {
+                pipeline(
+                    device,
+                    &module,
+                    &Style { fragment: Some(fragment), cull_mode, target: forward.target.clone(), ..forward },
+                )
+            })
+        });
 
         let map = target(device, (MAP_SIZE, MAP_SIZE), DEPTH_FORMAT);
         let compare = device.create_sampler(&wgpu::SamplerDescriptor {
@@ -368,8 +386,13 @@ impl<'a> Plain<'a> {
             let mut pass = render_pass(encoder, Some(&self.color), &self.depth, 0.0);
             pass.set_bind_group(0, &self.frame_of_receivers, &[]);
             pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.set_pipeline(&self.receivers);
-            self.draw(&mut pass, self.draws.iter());
+            for (is_masked, pipelines) in [false, true].into_iter().zip(&self.receivers) {
+                for (is_double_sided, pipeline) in [false, true].into_iter().zip(pipelines) {
+                    let is_so = |draw: &&Draw| (draw.is_masked, draw.is_double_sided) == (is_masked, is_double_sided);
+                    pass.set_pipeline(pipeline);
+                    self.draw(&mut pass, self.draws.iter().filter(is_so));
+                }
+            }
         })
     }
 }

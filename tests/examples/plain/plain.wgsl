@@ -59,10 +59,19 @@ fn receiver(corner: Corner) -> Varyings {
 
 @fragment
 fn forward(varyings: Varyings, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    return shaded(varyings, is_front, material.base_color * textureSample(base_color, base_color_sampler, varyings.uv));
+}
+
+@fragment
+fn masked_forward(varyings: Varyings, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let base = material.base_color * textureSample(base_color, base_color_sampler, varyings.uv);
     if base.a < material.alpha_cutoff {
         discard;
     }
+    return shaded(varyings, is_front, base);
+}
+
+fn shaded(varyings: Varyings, is_front: bool, base: vec4f) -> vec4f {
     let in_map = frame.map_from_world * vec4f(varyings.position, 1.0);
     let texel = vec2f(0.5 + 0.5 * in_map.x, 0.5 - 0.5 * in_map.y);
     let visibility = textureSampleCompareLevel(map, map_sampler, texel, in_map.z);
