@@ -82,8 +82,8 @@ pub(crate) fn spec_of(camera: &Camera, origin: DVec3, bounds: Aabb) -> Option<Wr
     // The target is the point of the axis nearest to the middle of the scene, so that moving the eye turns around what is seen.
     let middle = (bounds.center().as_dvec3() - camera.eye).dot(camera.direction());
     let target = camera.eye + camera.direction() * middle.max(0.1 * radius);
-    // A millionth of the scene is far less than a pixel.
-    let decimals = (6.0 - radius.log10().ceil()).clamp(0.0, 12.0) as usize;
+    // A millionth of the scene is far less than a pixel, and the last decimal is worth no more.
+    let decimals = (6.0 - radius.log10().floor()).clamp(0.0, 12.0) as usize;
     let point = |point: DVec3| (point + origin).to_array().map(|coordinate| shortest(coordinate, decimals)).join(",");
     let fov = angle_text(vertical_fov.to_degrees());
     let text = format!("eye={};target={};fov={fov}", point(camera.eye), point(target));
@@ -183,6 +183,22 @@ mod tests {
         // Just above the angle to the vertical at which y cannot be up; rounded, just below it.
         let written = rewritten("eye=0,9,0;target=0.001530004,0,0").unwrap();
         assert!(!written.is_level, "{}", written.text);
+    }
+
+    #[test]
+    fn rounding_moves_the_eye_by_less_than_a_millionth_of_the_scene() {
+        let origin = DVec3::new(6.4e6, 3.0, -2e6);
+        for half_size in [1e-4, 0.9, 1.1, 3.0, 60.0, 999.0, 1000.0, 1e6] {
+            let bounds = Aabb::new(glam::Vec3::splat(-half_size), glam::Vec3::splat(half_size));
+            let radius = f64::from(bounds.radius());
+            let projection = Projection::Perspective { vertical_fov: 0.8, near: 0.01 * radius, far: None };
+            let camera = Camera::look_at(DVec3::splat(radius / 0.7), DVec3::ZERO, projection).unwrap();
+            let written = spec_of(&camera, origin, bounds).unwrap();
+            let Ok(CameraChoice::Placed(read)) = written.text.parse() else { panic!("{}", written.text) };
+            let moved = (read.to_camera(origin, radius).unwrap().eye - camera.eye).length();
+            // Numbers of millions of metres round to a billionth of one.
+            assert!(moved < 1e-6 * radius + 1e-9, "{}: {moved} m", written.text);
+        }
     }
 
     #[test]
