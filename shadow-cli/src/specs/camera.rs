@@ -118,12 +118,20 @@ fn shortest(number: f64, decimals: usize) -> String {
 mod tests {
     use super::*;
 
+    /// The place that a description names.
+    fn placed(text: &str) -> CameraSpec {
+        match text.parse() {
+            Ok(CameraChoice::Placed(spec)) => spec,
+            other => panic!("`{text}` is {other:?} and not a place"),
+        }
+    }
+
     #[test]
     fn cameras_are_chosen_or_placed() {
         assert_eq!("1".parse(), Ok(CameraChoice::Selected(Selector::Index(1))));
         assert_eq!("main".parse(), Ok(CameraChoice::Selected(Selector::Name("main".into()))));
-        let Ok(CameraChoice::Placed(spec)) = "eye=1001,2,3;target=1001,2,0".parse() else { panic!("not placed") };
-        let camera = spec.to_camera(DVec3::new(1000.0, 0.0, 0.0), 1.0).unwrap();
+        let spec = placed("eye=1001,2,3;target=1001,2,0");
+        let camera = spec.to_camera(DVec3::new(1000.0, 0.0, 0.0), 1.0).expect("the place is a camera");
         assert_eq!(camera.eye, DVec3::new(1.0, 2.0, 3.0));
         assert!((camera.direction() - DVec3::NEG_Z).length() < 1e-12);
         let Projection::Perspective { vertical_fov, near, far } = camera.projection else { panic!("not perspective") };
@@ -149,18 +157,19 @@ mod tests {
         let origin = DVec3::new(500.0, 0.0, -20.0);
         let bounds = Aabb::from_points([glam::Vec3::splat(-3.0), glam::Vec3::splat(3.0)]);
         let projection = Projection::Perspective { vertical_fov: 0.7, near: 0.1, far: Some(100.0) };
-        let camera = Camera::look_at(DVec3::new(4.0, 2.0, 6.0), DVec3::new(0.1, 1.0, 0.2), projection).unwrap();
-        let written = spec_of(&camera, origin, bounds).unwrap();
+        let camera =
+            Camera::look_at(DVec3::new(4.0, 2.0, 6.0), DVec3::new(0.1, 1.0, 0.2), projection).expect("the eye is not the target");
+        let written = spec_of(&camera, origin, bounds).expect("the camera can be written");
         assert!(written.is_level);
-        let Ok(CameraChoice::Placed(spec)) = written.text.parse() else { panic!("{}", written.text) };
-        let read = spec.to_camera(origin, f64::from(bounds.radius())).unwrap();
+        let spec = placed(&written.text);
+        let read = spec.to_camera(origin, f64::from(bounds.radius())).expect("the place is a camera");
         assert!((read.eye - camera.eye).length() < 1e-5, "{}", written.text);
         assert!((read.direction() - camera.direction()).length() < 1e-5, "{}", written.text);
         let Projection::Perspective { vertical_fov, .. } = read.projection else { panic!("not perspective") };
         assert!((vertical_fov - 0.7).abs() < 1e-5);
 
         let rolled = Camera { orientation: camera.orientation * glam::DQuat::from_rotation_z(0.1), ..camera };
-        assert!(!spec_of(&rolled, origin, bounds).unwrap().is_level);
+        assert!(!spec_of(&rolled, origin, bounds).expect("the camera can be written").is_level);
         let projection = Projection::Orthographic { half_height: 1.0, near: 0.0, far: 10.0 };
         assert_eq!(spec_of(&Camera { projection, ..camera }, origin, bounds), None);
     }
@@ -170,18 +179,18 @@ mod tests {
     fn an_extreme_camera_is_written_as_what_it_is_or_not_at_all() {
         let bounds = Aabb::from_points([glam::Vec3::splat(-3.0), glam::Vec3::splat(3.0)]);
         let rewritten = |text: &str| {
-            let Ok(CameraChoice::Placed(spec)) = text.parse() else { panic!("{text}") };
+            let spec = placed(text);
             let radius = f64::from(bounds.radius());
-            spec_of(&spec.to_camera(DVec3::ZERO, radius).unwrap(), DVec3::ZERO, bounds)
+            spec_of(&spec.to_camera(DVec3::ZERO, radius).expect("the camera can be written"), DVec3::ZERO, bounds)
         };
         for fov in ["0.00001", "0.00014", "179.99999", "40.5"] {
-            let written = rewritten(&format!("eye=4,2,6;target=0,1,0;fov={fov}")).unwrap();
+            let written = rewritten(&format!("eye=4,2,6;target=0,1,0;fov={fov}")).expect("the camera can be written");
             assert!(written.is_level && written.text.ends_with(&format!("fov={fov}")), "{}", written.text);
         }
         assert_eq!(rewritten("eye=4,2,6;target=0,1,0;fov=1e-20"), None);
         assert_eq!(rewritten("eye=1e20,0,0;target=2e20,1e20,0"), None, "a step of 1e20 in double precision is 16 km");
         // Just above the angle to the vertical at which y cannot be up; rounded, just below it.
-        let written = rewritten("eye=0,9,0;target=0.001530004,0,0").unwrap();
+        let written = rewritten("eye=0,9,0;target=0.001530004,0,0").expect("the camera can be written");
         assert!(!written.is_level, "{}", written.text);
     }
 
@@ -192,10 +201,10 @@ mod tests {
             let bounds = Aabb::new(glam::Vec3::splat(-half_size), glam::Vec3::splat(half_size));
             let radius = f64::from(bounds.radius());
             let projection = Projection::Perspective { vertical_fov: 0.8, near: 0.01 * radius, far: None };
-            let camera = Camera::look_at(DVec3::splat(radius / 0.7), DVec3::ZERO, projection).unwrap();
-            let written = spec_of(&camera, origin, bounds).unwrap();
-            let Ok(CameraChoice::Placed(read)) = written.text.parse() else { panic!("{}", written.text) };
-            let moved = (read.to_camera(origin, radius).unwrap().eye - camera.eye).length();
+            let camera = Camera::look_at(DVec3::splat(radius / 0.7), DVec3::ZERO, projection).expect("the eye is not the target");
+            let written = spec_of(&camera, origin, bounds).expect("the camera can be written");
+            let read = placed(&written.text);
+            let moved = (read.to_camera(origin, radius).expect("the place is a camera").eye - camera.eye).length();
             // Numbers of millions of metres round to a billionth of one.
             assert!(moved < 1e-6 * radius + 1e-9, "{}: {moved} m", written.text);
         }

@@ -367,7 +367,7 @@ mod tests {
         let projection = crate::Projection::Perspective { vertical_fov: 0.8, near: 0.1, far: None };
         let narrow = crate::Projection::Perspective { vertical_fov: 1e-300, near: 0.1, far: None };
         for (eye, projection) in [(DVec3::X * 1e39, projection), (DVec3::X, narrow)] {
-            let camera = Camera::look_at(eye, DVec3::ZERO, projection).unwrap();
+            let camera = Camera::look_at(eye, DVec3::ZERO, projection).expect("the eye is not the target");
             assert_eq!(plan_camera(&camera, 64, 36, Exposure::default(), 0), Err(PlanError::CameraOverflow), "{eye}");
         }
         for (position, range) in [(Vec3::splat(3e38), None), (Vec3::Y, Some(1e-44)), (Vec3::Y, Some(1e-39))] {
