@@ -295,11 +295,16 @@ pub(crate) struct PictureArgs {
     ///
     /// Each kind of light takes:
     ///
-    ///   directional:dir=X,Y,Z;lux=N
+    ///   directional:dir=X,Y,Z;lux=N;diameter=DEGREES
     ///   spot:pos=X,Y,Z;dir=X,Y,Z;inner=DEGREES;outer=DEGREES;cd=N;range=METRES
     ///   point:pos=X,Y,Z;cd=N;range=METRES
     ///
     /// and each also color=R,G,B (linear; white if left out).
+    ///
+    /// A light can have a size, which shadow maps do not see and the tracer
+    /// does: the diameter of a directional light in the sky (0.53 for the
+    /// sun), the radius=METRES of a spot or point light, or width=METRES and
+    /// height=METRES of a spot light that is a rectangle across its axis.
     ///
     /// dir is the way the light travels, pos its place in metres of the
     /// file's world space. A spot light's angles are measured from its axis:

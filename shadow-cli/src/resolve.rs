@@ -163,9 +163,12 @@ fn with_chosen_lights(scene: Scene, args: &PictureArgs) -> Result<Scene, CliErro
     }
     let mut lights = Vec::with_capacity(args.lights.len());
     for spec in &args.lights {
-        let light = spec.to_light(scene.origin());
-        light.validate().map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
-        lights.push(SceneLight { name: spec.name().into(), light });
+        let (light, shape) = (spec.to_light(scene.origin()), spec.shape());
+        light
+            .validate()
+            .and_then(|()| shape.validate(&light.kind))
+            .map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
+        lights.push(SceneLight { name: spec.name().into(), light, shape });
     }
     Ok(scene.with_lights(lights))
 }

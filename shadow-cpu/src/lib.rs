@@ -21,6 +21,7 @@ pub mod buffer;
 mod kernel;
 pub mod raster;
 pub mod resolve;
+pub mod trace;
 pub mod renderer;
 
 pub use buffer::Buffer;

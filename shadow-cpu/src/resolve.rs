@@ -2,15 +2,8 @@
 //!
 //! Mirrored by `resolve_visibility.wgsl`, `resolve_color.wgsl` and `surfaces.wgsl`.
 
-use glam::{Vec2, Vec4};
 use rayon::prelude::*;
-use shadow_math::{
-    material::{FLAG_MASK, base_color},
-    plan::PixelRays,
-    shade::BACKGROUND,
-    triangle::{TrianglePoint, pixel_ray},
-    visibility::MapAccess,
-};
+use shadow_math::{material::FLAG_MASK, plan::PixelRays, shade::BACKGROUND, triangle::pixel_ray, visibility::MapAccess};
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
 
 use self::{
@@ -57,26 +50,6 @@ pub struct SceneView<'a> {
     pub(crate) vertices: &'a ShadingVertices,
 }
 
-impl SceneView<'_> {
-    #[inline]
-    fn corners(&self, triangle: u32) -> [usize; 3] {
-        self.scene.triangles()[triangle as usize].map(|corner| corner as usize)
-    }
-
-    /// The colour and alpha of a triangle's surface at a point of it.
-    #[inline]
-    fn color(&self, triangle: u32, hit: &TrianglePoint) -> Vec4 {
-        let [i0, i1, i2] = self.corners(triangle);
-        let vertices = self.scene.vertices();
-        let (uv0, uv1, uv2) = (vertices.uvs[i0], vertices.uvs[i1], vertices.uvs[i2]);
-        let (c0, c1, c2) = (vertices.colors[i0], vertices.colors[i1], vertices.colors[i2]);
-        let uv: Vec2 = uv0 + (uv1 - uv0) * hit.u + (uv2 - uv0) * hit.v;
-        let color = c0 + (c1 - c0) * hit.u + (c2 - c0) * hit.v;
-        let material = &self.surfaces.materials[self.scene.triangle_materials()[triangle as usize] as usize];
-        base_color(material, &self.surfaces.words, uv, color)
-    }
-}
-
 /// The alpha test of a scene's masked triangles, for the rays of one camera or light.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneAlphaTest<'a> {
@@ -88,13 +61,14 @@ pub struct SceneAlphaTest<'a> {
 
 impl AlphaTest for SceneAlphaTest<'_> {
     fn passes(&self, triangle: u32, x: u32, y: u32) -> bool {
-        let material = &self.view.surfaces.materials[self.view.scene.triangle_materials()[triangle as usize] as usize];
+        let SceneView { scene, surfaces, .. } = self.view;
+        let material = surfaces.material(scene, triangle);
         if material.flags & FLAG_MASK == 0 {
             return true;
         }
         let ray = pixel_ray(self.rays, x as f32 + 0.5, y as f32 + 0.5);
-        let hit = self.view.scene.point(triangle, ray);
-        self.view.color(triangle, &hit).w >= material.alpha_cutoff
+        let hit = scene.point(triangle, ray);
+        surfaces.color(scene, triangle, hit.u, hit.v).w >= material.alpha_cutoff
     }
 }
 

@@ -100,7 +100,7 @@ pub mod shade;
 pub mod exposure;
 
 pub use camera::{Camera, CameraError, Projection};
-pub use light::{Light, LightError, LightKind};
+pub use light::{Light, LightError, LightKind, LightShape};
 pub use plan::PlanError;
 pub use settings::{Bias, Filter, Fit, ShadowSettings, Split, Store};
 pub use visibility::{MapAccess, Receiver, visibility};

@@ -55,6 +55,35 @@ pub struct Light {
     pub intensity: f32,
 }
 
+/// How large a light is, as seen from what it lights. A light without a size throws hard shadows.
+///
+/// Shadow maps are drawn for its centre. The size is for those who look at the penumbra.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum LightShape {
+    /// No size.
+    #[default]
+    Point,
+    /// A sphere around the position of a spot or point light.
+    Sphere {
+        /// The radius in metres, above 0.
+        radius: f32,
+    },
+    /// A disc in the sky around the direction of a directional light.
+    Disc {
+        /// The angle that its diameter is seen under, in radians; above 0 and below pi. The sun's is 0.0093.
+        angular_diameter: f32,
+    },
+    /// A rectangle around the position of a spot light.
+    Rectangle {
+        /// From the position to the middle of one side, in metres.
+        half_width: Vec3,
+        /// From the position to the middle of the next side, in metres; not parallel to `half_width`.
+        half_height: Vec3,
+    },
+}
+
 /// Why a light cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -74,6 +103,19 @@ pub enum LightError {
     Range(f32),
     /// The colour or the intensity is negative or not finite, or their product is above [`MAX_BRIGHTNESS`].
     Brightness,
+    /// The light's kind cannot have this shape.
+    ShapeOfKind(LightShape),
+    /// The radius of a sphere is not a positive number of metres.
+    Radius(f32),
+    /// The angle of a disc, in radians, is not above 0 and below pi.
+    AngularDiameter(f32),
+    /// A rectangle has no area, or its sides are not finite.
+    Rectangle {
+        /// From its centre to the middle of one side, in metres.
+        half_width: Vec3,
+        /// From its centre to the middle of the next side, in metres.
+        half_height: Vec3,
+    },
 }
 
 impl core::fmt::Display for LightError {
@@ -93,6 +135,34 @@ impl core::fmt::Display for LightError {
                     "the light's range is {range} m; it must be a positive number (leave it out for a light without a limit)"
                 )
             }
+            Self::ShapeOfKind(shape) => f.write_str(match shape {
+                LightShape::Disc { .. } => {
+                    "only a directional light can be a disc in the sky; give a spot or point light a radius"
+                }
+                LightShape::Rectangle { .. } => {
+                    "only a spot light can be a rectangle; give a point light a radius and a directional one an angular diameter"
+                }
+                LightShape::Sphere { .. } | LightShape::Point => {
+                    "a directional light has no position that a sphere could surround; give it an angular diameter"
+                }
+            }),
+            Self::Radius(radius) => {
+                write!(
+                    f,
+                    "the light's radius is {radius} m; it must be a positive number (leave it out for a light without a size)"
+                )
+            }
+            Self::AngularDiameter(angle) => write!(
+                f,
+                "the light's angular diameter is {} degrees; it must lie between 0 and 180 (the sun's is 0.53)",
+                angle.to_degrees()
+            ),
+            Self::Rectangle { half_width, half_height } => write!(
+                f,
+                "the light is a rectangle of {} x {} m; both must be positive numbers",
+                2.0 * half_width.length(),
+                2.0 * half_height.length()
+            ),
             Self::Brightness => write!(
                 f,
                 "the light's colour and intensity must be finite and not negative, and their product at most {MAX_BRIGHTNESS:e} (a clear day has 1e5 lux, a lighthouse 1e7 candela)"
@@ -165,6 +235,36 @@ impl Light {
     }
 }
 
+impl LightShape {
+    /// Checks the shape of a light of this kind.
+    ///
+    /// # Errors
+    ///
+    /// [`LightError::ShapeOfKind`], [`LightError::Radius`], [`LightError::AngularDiameter`] and [`LightError::Rectangle`].
+    pub fn validate(&self, kind: &LightKind) -> Result<(), LightError> {
+        match (*self, kind) {
+            (Self::Point, _) => Ok(()),
+            (Self::Sphere { radius }, LightKind::Spot { .. } | LightKind::Point { .. }) => {
+                if radius > 0.0 && radius.is_finite() {
+                    Ok(())
+                } else {
+                    Err(LightError::Radius(radius))
+                }
+            }
+            (Self::Disc { angular_diameter }, LightKind::Directional { .. }) => {
+                let is_usable = angular_diameter > 0.0 && angular_diameter < core::f32::consts::PI;
+                if is_usable { Ok(()) } else { Err(LightError::AngularDiameter(angular_diameter)) }
+            }
+            (Self::Rectangle { half_width, half_height }, LightKind::Spot { .. }) => {
+                let area = half_width.as_dvec3().cross(half_height.as_dvec3()).length_squared();
+                let is_usable = area > 0.0 && area.is_finite();
+                if is_usable { Ok(()) } else { Err(LightError::Rectangle { half_width, half_height }) }
+            }
+            (shape, _) => Err(LightError::ShapeOfKind(shape)),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -184,5 +284,30 @@ mod tests {
         for (inner, outer) in [(0.5, 0.5), (-0.1, 0.5), (0.1, 1.6), (0.1, f32::NAN)] {
             assert!(matches!(light(spot(inner, outer), 1.0), Err(LightError::Cone { .. })), "{inner} to {outer}");
         }
+    }
+
+    #[test]
+    fn a_shape_that_the_kind_cannot_have_is_refused() {
+        let sun = LightKind::Directional { direction: Vec3::NEG_Y };
+        let lamp = LightKind::Point { position: Vec3::ZERO, range: None };
+        let spot = LightKind::Spot { position: Vec3::ZERO, direction: Vec3::X, inner: 0.0, outer: 0.5, range: None };
+        let (sphere, disc) = (LightShape::Sphere { radius: 0.1 }, LightShape::Disc { angular_diameter: 0.0093 });
+        let rectangle = LightShape::Rectangle { half_width: Vec3::X, half_height: Vec3::Z };
+        for (kind, fitting) in [(sun, vec_of([disc])), (lamp, vec_of([sphere])), (spot, vec_of([sphere, rectangle]))] {
+            for shape in [sphere, disc, rectangle] {
+                let expected = if fitting.contains(&Some(shape)) { Ok(()) } else { Err(LightError::ShapeOfKind(shape)) };
+                assert_eq!(shape.validate(&kind), expected, "{shape:?} of {kind:?}");
+            }
+            assert_eq!(LightShape::Point.validate(&kind), Ok(()));
+        }
+        assert_eq!(LightShape::Sphere { radius: 0.0 }.validate(&lamp), Err(LightError::Radius(0.0)));
+        assert!(LightShape::Disc { angular_diameter: 3.2 }.validate(&sun).is_err());
+        let flat = LightShape::Rectangle { half_width: Vec3::X, half_height: 2.0 * Vec3::X };
+        assert!(matches!(flat.validate(&spot), Err(LightError::Rectangle { .. })));
+    }
+
+    /// Up to two shapes, in an array, since this crate has no heap.
+    fn vec_of<const N: usize>(shapes: [LightShape; N]) -> [Option<LightShape>; 2] {
+        core::array::from_fn(|i| shapes.get(i).copied())
     }
 }

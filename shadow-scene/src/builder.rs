@@ -192,7 +192,7 @@ impl SceneBuilder {
 
     /// Adds a light.
     pub fn add_light(&mut self, name: impl Into<String>, light: Light) {
-        self.lights.push(SceneLight { name: name.into(), light });
+        self.lights.push(SceneLight::new(name, light));
     }
 
     /// Adds a camera.
@@ -288,8 +288,11 @@ impl SceneBuilder {
         if has_default_light {
             self.add_light("sun", sun());
         }
-        for SceneLight { name, light } in &self.lights {
-            light.validate().map_err(|source| SceneError::Light { name: name.clone(), source })?;
+        for SceneLight { name, light, shape } in &self.lights {
+            light
+                .validate()
+                .and_then(|()| shape.validate(&light.kind))
+                .map_err(|source| SceneError::Light { name: name.clone(), source })?;
         }
         for SceneCamera { name, camera } in &self.cameras {
             camera.validate().map_err(|source| SceneError::Camera { name: name.clone(), source })?;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use shadow_math::{
-    Camera, Light, Receiver,
+    Camera, Light, LightShape, Receiver,
     bounds::Aabb,
     triangle::{Ray, TrianglePoint, triangle_point, turned_to_viewer},
 };
@@ -193,6 +193,16 @@ pub struct SceneLight {
     pub name: String,
     /// The light, relative to the scene's origin.
     pub light: Light,
+    /// How large it is; glTF's lights have no size.
+    pub shape: LightShape,
+}
+
+impl SceneLight {
+    /// A light without a size.
+    #[must_use]
+    pub fn new(name: impl Into<String>, light: Light) -> Self {
+        Self { name: name.into(), light, shape: LightShape::Point }
+    }
 }
 
 /// A camera with its name.

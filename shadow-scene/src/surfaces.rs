@@ -1,7 +1,11 @@
 //! Materials and textures as plain data that both renderers read.
 
 use shadow_math::{
-    material::{DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT},
+    glam::{Vec2, Vec4},
+    material::{
+        DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
+        base_color,
+    },
     shade::shininess_of_roughness,
     srgb::decode_table,
 };
@@ -62,6 +66,36 @@ impl Surfaces {
             })
             .collect();
         Self { materials, words }
+    }
+}
+
+impl Surfaces {
+    /// The colour and alpha of a triangle's surface where its second corner weighs `u` and its third `v`, before light.
+    ///
+    /// # Panics
+    ///
+    /// If the surfaces are not the scene's, or if there is no such triangle.
+    #[inline]
+    #[must_use]
+    pub fn color(&self, scene: &Scene, triangle: u32, u: f32, v: f32) -> Vec4 {
+        let [i0, i1, i2] = scene.triangles()[triangle as usize].map(|corner| corner as usize);
+        let vertices = scene.vertices();
+        let (uv0, uv1, uv2) = (vertices.uvs[i0], vertices.uvs[i1], vertices.uvs[i2]);
+        let (c0, c1, c2) = (vertices.colors[i0], vertices.colors[i1], vertices.colors[i2]);
+        let uv: Vec2 = uv0 + (uv1 - uv0) * u + (uv2 - uv0) * v;
+        let color = c0 + (c1 - c0) * u + (c2 - c0) * v;
+        base_color(self.material(scene, triangle), &self.words, uv, color)
+    }
+
+    /// The material of a triangle.
+    ///
+    /// # Panics
+    ///
+    /// As [`Surfaces::color`].
+    #[inline]
+    #[must_use]
+    pub fn material(&self, scene: &Scene, triangle: u32) -> &MaterialData {
+        &self.materials[scene.triangle_materials()[triangle as usize] as usize]
     }
 }
 

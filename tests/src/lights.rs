@@ -26,5 +26,5 @@ pub fn one_of_each(scene: &Scene) -> [(&'static str, Light); 3] {
 /// A scene under one light alone.
 #[must_use]
 pub fn lit_by(scene: &Scene, name: &str, light: Light) -> Scene {
-    scene.clone().with_lights(vec![SceneLight { name: name.into(), light }])
+    scene.clone().with_lights(vec![SceneLight::new(name, light)])
 }

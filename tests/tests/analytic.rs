@@ -105,7 +105,7 @@ fn the_shadow_of_a_box_is_where_rays_to_the_light_meet_it() {
     ];
     for (name, kind, split) in cases {
         let light = Light { kind, color: Vec3::ONE, intensity: 1000.0 };
-        let scene = scene.clone().with_lights(vec![SceneLight { name: name.into(), light }]);
+        let scene = scene.clone().with_lights(vec![SceneLight::new(name, light)]);
         let settings = ShadowSettings { filter: Filter::Hard, split, map_size: 2048, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &from_above(6.0), &settings, PIXELS, PIXELS, None).expect("the scene can be planned");
         let renderer = renderers::cpu();

@@ -9,7 +9,7 @@ use shadow_tests::renderers;
 
 fn lit_by_points(count: usize) -> Scene {
     let light = Light { kind: LightKind::Point { position: Vec3::Y * 4.0, range: None }, color: Vec3::ONE, intensity: 10.0 };
-    builtin::demo().with_lights(vec![SceneLight { name: "point".into(), light }; count])
+    builtin::demo().with_lights(vec![SceneLight::new("point", light); count])
 }
 
 fn plan(scene: &Scene, width: u32, height: u32, map_size: u32) -> FramePlan {

@@ -113,7 +113,7 @@ fn lit_plane(case: &Case, scale: f32) -> LitPlane {
         _ => LightKind::Point { position, range: None },
     };
     let light = Light { kind, color: Vec3::ONE, intensity: 100.0 };
-    let scene = scene.with_lights(vec![SceneLight { name: "light".into(), light }]);
+    let scene = scene.with_lights(vec![SceneLight::new("light", light)]);
     let settings = ShadowSettings {
         bias: Bias::Slope { scale, metres: 0.0 },
         filter: case.filter,

@@ -89,7 +89,7 @@ impl Sweep {
         let mut lit = scene.clone();
         self.lit_scene(&format!("{file} own lights"), &lit, &prepared, &uploaded);
         for (name, light) in one_of_each(&scene) {
-            lit = lit.with_lights(vec![SceneLight { name: name.into(), light }]);
+            lit = lit.with_lights(vec![SceneLight::new(name, light)]);
             self.lit_scene(&format!("{file} {name}"), &lit, &prepared, &uploaded);
         }
     }

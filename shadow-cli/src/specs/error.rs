@@ -113,4 +113,7 @@ pub(crate) enum SpecError {
     /// The same backend twice.
     #[error("comparing a backend with itself proves nothing; name two different ones, such as cpu,gpu")]
     SameBackend,
+    /// A light that is both a sphere and a rectangle.
+    #[error("a light is a sphere of `radius` or a rectangle of `width` and `height`, not both; leave one out")]
+    TwoSizes,
 }

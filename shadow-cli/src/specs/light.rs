@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use glam::{DVec3, Vec3};
-use shadow_math::{Light, LightKind};
+use shadow_math::{Light, LightKind, LightShape};
 
 use super::{SpecError, pairs::Pairs};
 
@@ -17,6 +17,20 @@ pub(crate) struct LightSpec {
     color: DVec3,
     /// Lux for a directional light, candela for the others.
     intensity: f64,
+    size: LightSizeSpec,
+}
+
+/// How large a light was typed to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum LightSizeSpec {
+    /// Nothing: it has no size.
+    None,
+    /// The diameter of a disc in the sky, in degrees.
+    Diameter(f64),
+    /// The radius of a sphere, in metres.
+    Radius(f64),
+    /// The width and height of a rectangle across a spot light's axis, in metres.
+    Rectangle(f64, f64),
 }
 
 /// What kind of light was typed.
@@ -34,12 +48,13 @@ impl FromStr for LightSpec {
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
         let (pairs, kind, intensity) = match kind.trim() {
             "directional" => {
-                let pairs = Pairs::parse(rest, "a directional light", &["dir", "lux", "color"])?;
+                let pairs = Pairs::parse(rest, "a directional light", &["dir", "lux", "diameter", "color"])?;
                 let kind = LightSpecKind::Directional { direction: pairs.vector("dir")? };
                 (pairs, kind, "lux")
             }
             "spot" => {
-                let pairs = Pairs::parse(rest, "a spot light", &["pos", "dir", "inner", "outer", "cd", "range", "color"])?;
+                let keys = &["pos", "dir", "inner", "outer", "cd", "range", "radius", "width", "height", "color"];
+                let pairs = Pairs::parse(rest, "a spot light", keys)?;
                 let kind = LightSpecKind::Spot {
                     position: pairs.vector("pos")?,
                     direction: pairs.vector("dir")?,
@@ -50,14 +65,14 @@ impl FromStr for LightSpec {
                 (pairs, kind, "cd")
             }
             "point" => {
-                let pairs = Pairs::parse(rest, "a point light", &["pos", "cd", "range", "color"])?;
+                let pairs = Pairs::parse(rest, "a point light", &["pos", "cd", "range", "radius", "color"])?;
                 let kind = LightSpecKind::Point { position: pairs.vector("pos")?, range: pairs.optional_number("range")? };
                 (pairs, kind, "cd")
             }
             other => return Err(SpecError::LightKind(other.into())),
         };
         let color = pairs.optional_vector("color")?.unwrap_or(DVec3::ONE);
-        Ok(Self { text: text.into(), kind, color, intensity: pairs.number(intensity)? })
+        Ok(Self { text: text.into(), kind, color, intensity: pairs.number(intensity)?, size: LightSizeSpec::of(&pairs)? })
     }
 }
 
@@ -89,6 +104,44 @@ impl LightSpec {
             }
         };
         Light { kind, color: self.color.as_vec3(), intensity: self.intensity as f32 }
+    }
+
+    /// How large the light is. It is not yet validated.
+    pub(crate) fn shape(&self) -> LightShape {
+        match self.size {
+            LightSizeSpec::None => LightShape::Point,
+            LightSizeSpec::Diameter(degrees) => LightShape::Disc { angular_diameter: degrees.to_radians() as f32 },
+            LightSizeSpec::Radius(metres) => LightShape::Sphere { radius: metres as f32 },
+            LightSizeSpec::Rectangle(width, height) => {
+                let (right, up) = self.across();
+                LightShape::Rectangle { half_width: (right * 0.5 * width).as_vec3(), half_height: (up * 0.5 * height).as_vec3() }
+            }
+        }
+    }
+
+    /// The directions of a rectangle's width, which is level, and of its height; both across the light's direction, of length 1.
+    fn across(&self) -> (DVec3, DVec3) {
+        let direction = match self.kind {
+            LightSpecKind::Directional { direction } | LightSpecKind::Spot { direction, .. } => direction.normalize_or_zero(),
+            LightSpecKind::Point { .. } => DVec3::NEG_Y,
+        };
+        // Straight up or down no direction is more level than another.
+        let right = direction.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
+        (right, right.cross(direction))
+    }
+}
+
+impl LightSizeSpec {
+    /// The size among the keys that the kind of light takes.
+    fn of(pairs: &Pairs<'_>) -> Result<Self, SpecError> {
+        let number = |key| pairs.optional_number(key);
+        Ok(match (number("diameter")?, number("radius")?, number("width")?, number("height")?) {
+            (Some(diameter), ..) => Self::Diameter(diameter),
+            (None, Some(radius), None, None) => Self::Radius(radius),
+            (None, Some(_), ..) => return Err(SpecError::TwoSizes),
+            (None, None, None, None) => Self::None,
+            (None, None, ..) => Self::Rectangle(pairs.number("width")?, pairs.number("height")?),
+        })
     }
 }
 
@@ -149,9 +202,12 @@ mod tests {
     #[test]
     fn wrong_lights_are_told_what_a_light_takes() {
         assert_eq!(light_error("sun:lux=1"), SpecError::LightKind("sun".into()).to_string());
-        assert_eq!(light_error("directional:dir=0,-1,0"), "a directional light needs `lux`; it takes: dir, lux, color");
-        assert_eq!(light_error("directional:dir=0,-1,0;cd=1"), "a directional light has no `cd`; it takes: dir, lux, color");
-        assert_eq!(light_error("point"), "a point light needs `pos`; it takes: pos, cd, range, color");
+        assert_eq!(light_error("directional:dir=0,-1,0"), "a directional light needs `lux`; it takes: dir, lux, diameter, color");
+        assert_eq!(
+            light_error("directional:dir=0,-1,0;cd=1"),
+            "a directional light has no `cd`; it takes: dir, lux, diameter, color"
+        );
+        assert_eq!(light_error("point"), "a point light needs `pos`; it takes: pos, cd, range, radius, color");
         assert_eq!(light_error("point:pos=1,2,3;pos=1,2,3;cd=1"), "`pos` is given twice");
         assert_eq!(light_error("point:pos=1,2;cd=1"), "`pos=1,2` must be three numbers separated by commas, such as pos=1,2,3");
         assert_eq!(light_error("point:pos=1,2,z;cd=1"), "`pos=1,2,z`: `z` is not a finite number");
@@ -164,7 +220,25 @@ mod tests {
         assert!(light_error("directional:dir=0,-1m,0;lux=1").contains("dir has no unit"));
         assert_eq!(
             light_error("point:pos=1,2,3;bright"),
-            "`bright` is not KEY=VALUE; a point light takes: pos, cd, range, color"
+            "`bright` is not KEY=VALUE; a point light takes: pos, cd, range, radius, color"
         );
+    }
+
+    #[test]
+    fn a_light_can_have_a_size() {
+        let shape = |text: &str| light(text).expect(text).shape();
+        assert_eq!(shape("point:pos=0,1,2;cd=1"), LightShape::Point);
+        assert_eq!(shape("point:pos=0,1,2;cd=1;radius=0.05"), LightShape::Sphere { radius: 0.05 });
+        let sun = shape("directional:dir=0,-1,0;lux=1;diameter=0.53");
+        assert_eq!(sun, LightShape::Disc { angular_diameter: 0.53_f64.to_radians() as f32 });
+        let panel = shape("spot:pos=0,3,0;dir=0,0,-2;outer=60;cd=1;width=2;height=1");
+        assert_eq!(panel, LightShape::Rectangle { half_width: Vec3::X, half_height: 0.5 * Vec3::Y });
+        let below = shape("spot:pos=0,3,0;dir=0,-1,0;outer=60;cd=1;width=2;height=1");
+        assert_eq!(below, LightShape::Rectangle { half_width: Vec3::X, half_height: 0.5 * Vec3::NEG_Z });
+        let spot = "spot:pos=0,3,0;dir=0,-1,0;outer=60;cd=1";
+        assert_eq!(light_error(&format!("{spot};width=2;height=1;radius=1")), SpecError::TwoSizes.to_string());
+        assert!(light_error(&format!("{spot};width=2")).starts_with("a spot light needs `height`"));
+        assert!(light_error("point:pos=0,1,2;cd=1;width=2").starts_with("a point light has no `width`"));
+        assert!(light_error("point:pos=0,1,2;cd=1;radius=5cm").ends_with("radius is in metres, here 0.05"));
     }
 }

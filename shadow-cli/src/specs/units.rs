@@ -20,8 +20,8 @@ impl Unit {
     /// What the numbers of a key of a description are measured in.
     pub(super) fn of_key(key: &str) -> Self {
         match key {
-            "pos" | "eye" | "target" | "range" => Self::Metres,
-            "inner" | "outer" | "fov" => Self::Degrees,
+            "pos" | "eye" | "target" | "range" | "radius" | "width" | "height" => Self::Metres,
+            "inner" | "outer" | "fov" | "diameter" => Self::Degrees,
             "lux" => Self::Lux,
             "cd" => Self::Candela,
             _ => Self::None,
