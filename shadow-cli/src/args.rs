@@ -10,11 +10,12 @@ use clap::{
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use clap_complete::Shell;
+use shadow_cpu::trace::Sampling;
 use shadow_scene::Choice;
 
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
-    map_size, seconds,
+    light_samples, map_size, seconds,
 };
 
 /// Examples for the program as a whole.
@@ -145,6 +146,7 @@ Examples:
   shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
   shadow render builtin:fence --filter hard --bias none --show shadow-map
   shadow render house.glb --show depth --output depth.exr
+  shadow render house.glb --backend trace --light 'directional:dir=-1,-2,-1;lux=20000;diameter=3'
   shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
   shadow render house.glb --json | jq .milliseconds";
 
@@ -179,6 +181,10 @@ What to look at:
               adapter's memory is counted, that of a graphics card is not.
               Linux tells; elsewhere it is left out
 
+  rays        the trace backend sends a ray through every pixel (camera) and one
+              to each light from each surface that faces it (shading); millions
+              of them a second, by the medians
+
   A software adapter (llvmpipe, SwiftShader) runs on the same cores as the cpu
   backend: the ratio then compares two programs, and no graphics card.
 
@@ -186,6 +192,7 @@ Examples:
   shadow bench
   shadow bench house.glb --size 1920x1080 --frames 50
   shadow bench house.glb --backends cpu --threads 1
+  shadow bench house.glb --backends trace
   shadow bench house.glb --json | jq .ratios.total";
 
 /// Examples for `shadow info`.
@@ -389,6 +396,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
     pub(crate) backend: Backend,
 
+    /// Rays of the trace backend to each light that has a size: a square number from 1 to 4096 [default: 64]
+    ///
+    /// They are spread over the light, one in each cell of a square grid. A light without a size takes a single ray.
+    #[arg(long, value_name = "N", value_parser = light_samples, help_heading = "Backend")]
+    pub(crate) light_samples: Option<Sampling>,
+
     /// Adapter and threads.
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
@@ -396,7 +409,8 @@ pub(crate) struct RenderArgs {
     /// Report as JSON on standard output
     ///
     /// An object with `scene`, `notes`, `backend`, `adapter` (null for the CPU), `triangles`, `width` and `height` of what was drawn,
-    /// `milliseconds` (`prepare` once per scene; `shadow_maps`, `camera` and `shading`, whose sum is `total`) and `output`.
+    /// `milliseconds` (`prepare` once per scene; `shadow_maps`, `camera` and `shading`, whose sum is `total`), `light_samples` (null where no
+    /// light was sampled: `count`, and the `widest_interval` that holds a pixel's true visibility with a `confidence` of 0.95) and `output`.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -439,7 +453,7 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
-    /// The backends to time, in turn: cpu, gpu or both
+    /// The backends to time, in turn: any of cpu, gpu and trace
     #[arg(long, value_name = "LIST", default_value = "cpu,gpu", help_heading = "Backend")]
     pub(crate) backends: BackendList,
 
@@ -457,7 +471,7 @@ pub(crate) struct BenchArgs {
     /// `ratios`. Each backend has its name as `backend`, its `adapter` (null for the CPU) and `threads` (null for the GPU), the medians in `milliseconds`
     /// (`shadow_maps`, `camera`, `shading`, `total`), for each of these the `spread` (`min`, `lower_quartile`, `median`, `upper_quartile`, `max`),
     /// `milliseconds_once` (`open`, `prepare`, `first_frame`) and `peak_bytes` (null where the system does not tell). `ratios` says `of` what,
-    /// and has the same stages and their `spread`; it is null for one backend.
+    /// and has the same stages and their `spread`; it is null unless there are two backends. `million_rays_per_second` (`camera`, `shadow`) is null but for trace.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -529,6 +543,8 @@ pub(crate) enum Backend {
     Cpu,
     /// A graphics adapter: Vulkan, Metal or Direct3D 12
     Gpu,
+    /// The ray tracer: no shadow maps, but what the shadows should be
+    Trace,
 }
 
 impl Backend {
@@ -537,6 +553,7 @@ impl Backend {
         match self {
             Self::Cpu => "cpu",
             Self::Gpu => "gpu",
+            Self::Trace => "trace",
         }
     }
 }
@@ -619,6 +636,9 @@ mod tests {
             ("shadow compare --backends cpu,cpu", "comparing a backend with itself proves nothing"),
             ("shadow bench --frames 0", "1..=10000"),
             ("shadow bench --backends cpu,cpu", "at most once"),
+            ("shadow compare --backends cpu,trace", "shadow measure"),
+            ("shadow render --backend trace --light-samples 60", "49 or 64"),
+            ("shadow render --backend trace --light-samples 0", "from 1 to 4096"),
             ("shadow render --filter soft", "bilinear"),
         ] {
             let error = parse(line).unwrap_err();

@@ -1,9 +1,15 @@
-//! Runs either renderer and brings both to the same form.
+//! Runs a renderer, or the tracer, and brings them all to the same form.
 
 use std::time::Instant;
 
-use shadow_cpu::{CpuRenderer, PreparedScene, RasterRules};
+use serde::Serialize;
+use shadow_cpu::{
+    CpuRenderer, PreparedScene, RasterRules,
+    renderer::CameraBuffer,
+    trace::{CameraView, Sampling, Tracer},
+};
 use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene};
+use shadow_math::LightShape;
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Request, Scene, StageTimes};
 
 use crate::{
@@ -23,6 +29,8 @@ pub(crate) struct RenderedFrame {
     pub(crate) frame: Frame,
     /// How long each stage took, in milliseconds, with `prepare`.
     pub(crate) times: StageTimes,
+    /// How lights that have a size were sampled, if any were.
+    pub(crate) sampling: Option<Sampling>,
 }
 
 impl RenderedFrame {
@@ -42,11 +50,11 @@ impl Backend {
         rules: RasterRules,
         console: &Console,
     ) -> Result<RenderedFrame, CliError> {
-        let (renderer, once) = OpenBackend::open(self, &job.scene, machine, rules, console)?;
+        let (renderer, once) = OpenBackend::open(self, job, machine, rules, console)?;
         console.stage(format!("rendering on {}", renderer.place()));
-        let (frame, times) = renderer.render(&job.plan, request)?;
+        let (frame, times) = renderer.render(&job.plan, request, console)?;
         let times = StageTimes { prepare: once.prepare, ..times };
-        Ok(RenderedFrame { backend: self, adapter: renderer.adapter().cloned(), frame, times })
+        Ok(RenderedFrame { backend: self, adapter: renderer.adapter().cloned(), frame, times, sampling: renderer.sampling() })
     }
 }
 
@@ -55,7 +63,7 @@ pub(crate) fn check_machine(machine: &MachineArgs, backends: &[Backend], console
     if let (Some(adapter), false) = (&machine.adapter, backends.contains(&Backend::Gpu)) {
         return Err(CliError::AdapterOfCpu(adapter.clone()));
     }
-    if machine.threads != 0 && !backends.contains(&Backend::Cpu) {
+    if machine.threads != 0 && backends == [Backend::Gpu] {
         console.note("--threads has no effect on the gpu backend");
     }
     Ok(())
@@ -94,17 +102,32 @@ pub(crate) enum OpenBackend<'a> {
         /// The scene in the adapter's memory.
         uploaded: Box<GpuScene>,
     },
+    /// The ray tracer.
+    Trace(Box<TraceBackend<'a>>),
+}
+
+/// The ray tracer, with what it sees through.
+pub(crate) struct TraceBackend<'a> {
+    /// With its threads and its tree.
+    tracer: Tracer<'a>,
+    /// Knows how surfaces shine, which is no matter of rays.
+    shader: CpuRenderer,
+    /// The scene in the shader's form.
+    prepared: PreparedScene<'a>,
+    view: CameraView,
+    sampling: Sampling,
 }
 
 impl<'a> OpenBackend<'a> {
     /// Opens a backend, brings a scene to it and says how long that took.
     pub(crate) fn open(
         backend: Backend,
-        scene: &'a Scene,
+        job: &'a Job,
         machine: &MachineArgs,
         rules: RasterRules,
         console: &Console,
     ) -> Result<(Self, OnceTimes), CliError> {
+        let scene = &job.scene;
         let start = Instant::now();
         match backend {
             Backend::Cpu => {
@@ -124,13 +147,26 @@ impl<'a> OpenBackend<'a> {
                 let uploaded = pollster::block_on(renderer.upload(scene)).map(Box::new)?;
                 Ok((Self::Gpu { renderer, uploaded }, OnceTimes { open, prepare: milliseconds_since(start) }))
             }
+            Backend::Trace => {
+                let threads = machine.threads as usize;
+                let shader = CpuRenderer::new(threads, rules)?;
+                let open = milliseconds_since(start);
+                console.stage("building the tracer's tree");
+                let start = Instant::now();
+                let tracer = Tracer::new(scene, threads)?;
+                let view = CameraView::new(&job.camera, job.plan.camera.width, job.plan.camera.height);
+                let prepared = shader.prepare(scene);
+                let sampling = job.light_samples.unwrap_or_default();
+                let backend = Box::new(TraceBackend { tracer, shader, prepared, view, sampling });
+                Ok((Self::Trace(backend), OnceTimes { open, prepare: milliseconds_since(start) }))
+            }
         }
     }
 
     /// The graphics adapter, if one is used.
     pub(crate) fn adapter(&self) -> Option<&AdapterSummary> {
         match self {
-            Self::Cpu { .. } => None,
+            Self::Cpu { .. } | Self::Trace(_) => None,
             Self::Gpu { renderer, .. } => Some(renderer.adapter()),
         }
     }
@@ -140,16 +176,29 @@ impl<'a> OpenBackend<'a> {
         match self {
             Self::Cpu { renderer, .. } => Some(renderer.threads()),
             Self::Gpu { .. } => None,
+            Self::Trace(backend) => Some(backend.tracer.threads()),
+        }
+    }
+
+    /// How lights that have a size are sampled, if any are.
+    pub(crate) fn sampling(&self) -> Option<Sampling> {
+        match self {
+            Self::Cpu { .. } | Self::Gpu { .. } => None,
+            Self::Trace(backend) => has_sized_light(backend.tracer.scene()).then_some(backend.sampling),
         }
     }
 
     /// Where it renders, for a sentence.
     fn place(&self) -> &str {
-        self.adapter().map_or("the CPU", |adapter| &adapter.name)
+        match self {
+            Self::Cpu { .. } => "the CPU",
+            Self::Gpu { renderer, .. } => &renderer.adapter().name,
+            Self::Trace(_) => "the CPU, ray by ray",
+        }
     }
 
     /// Renders the layers that are asked for and brings them into memory.
-    fn render(&self, plan: &FramePlan, request: Request) -> Result<(Frame, StageTimes), CliError> {
+    fn render(&self, plan: &FramePlan, request: Request, console: &Console) -> Result<(Frame, StageTimes), CliError> {
         match self {
             Self::Cpu { renderer, prepared } => {
                 let rendered = renderer.render(prepared, plan, request)?;
@@ -159,6 +208,7 @@ impl<'a> OpenBackend<'a> {
                 let rendered = pollster::block_on(renderer.render(uploaded, plan, request))?;
                 Ok((rendered.frame, rendered.times))
             }
+            Self::Trace(backend) => Ok(backend.render(plan, request, console)),
         }
     }
 
@@ -182,7 +232,67 @@ impl<'a> OpenBackend<'a> {
                 let _color = renderer.color(uploaded, plan, &camera, &visibility).await?;
                 Ok(stage_times([start, camera_done, maps_done, Instant::now()]))
             }),
+            Self::Trace(backend) => Ok(backend.draw()),
         }
+    }
+
+    /// Millions of rays a second: of the camera, and to the lights. Other backends have none.
+    pub(crate) fn million_rays_per_second(&self, camera_milliseconds: f64, shading_milliseconds: f64) -> Option<RayRates> {
+        let Self::Trace(backend) = self else { return None };
+        let rate = |rays: u64, milliseconds: f64| rays as f64 / (1e3 * milliseconds);
+        let pixels = u64::from(backend.view.width()) * u64::from(backend.view.height());
+        let seen = backend.tracer.camera(backend.view, &|| {});
+        let rays = backend.tracer.lights(&seen, SINGLE_RAY, &|| {}).rays;
+        Some(RayRates { camera: rate(pixels, camera_milliseconds), shadow: rate(rays, shading_milliseconds) })
+    }
+}
+
+/// A ray to each light, as when backends are timed.
+const SINGLE_RAY: Sampling = Sampling { side: 1 };
+
+/// Millions of rays a second.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct RayRates {
+    /// The first triangle through each pixel.
+    pub(crate) camera: f64,
+    /// Any triangle between a surface and a light that it faces.
+    pub(crate) shadow: f64,
+}
+
+/// Whether any light of the scene has a size.
+pub(crate) fn has_sized_light(scene: &Scene) -> bool {
+    scene.lights().iter().any(|light| light.shape != LightShape::Point)
+}
+
+impl TraceBackend<'_> {
+    /// Traces the layers that are asked for, with a bar that moves row by row.
+    fn render(&self, plan: &FramePlan, request: Request, console: &Console) -> (Frame, StageTimes) {
+        let needs_lights = request.visibility || request.color;
+        let rows = u64::from(self.view.height());
+        console.bar(if needs_lights { 2 * rows } else { rows });
+        let step = || console.step();
+        let start = Instant::now();
+        let seen = self.tracer.camera(self.view, &step);
+        let camera_done = Instant::now();
+        let lights = needs_lights.then(|| self.tracer.lights(&seen, self.sampling, &step));
+        let color = lights.as_ref().filter(|_| request.color).map(|lights| {
+            let camera = CameraBuffer { triangles: seen.triangles().into(), ..CameraBuffer::default() };
+            self.shader.color(&self.prepared, plan, &camera, &lights.visibility()).into_vec()
+        });
+        let times = stage_times([start, camera_done, camera_done, Instant::now()]);
+        (self.tracer.frame(&seen, lights.as_ref(), color, request), times)
+    }
+
+    /// Sends all rays of a frame, one to each light.
+    fn draw(&self) -> StageTimes {
+        let start = Instant::now();
+        let seen = self.tracer.camera(self.view, &|| {});
+        let camera_done = Instant::now();
+        let lights = self.tracer.lights(&seen, SINGLE_RAY, &|| {});
+        let times = stage_times([start, camera_done, camera_done, Instant::now()]);
+        // Nobody looks at them, and the compiler must not notice.
+        std::hint::black_box(lights);
+        times
     }
 }
 

@@ -57,9 +57,15 @@ pub(crate) enum CliError {
     BiasConstant(f32),
     /// An adapter for a renderer that has none.
     #[error(
-        "--adapter `{0}` chooses a graphics adapter, but only the cpu backend is used; name gpu in --backend or --backends, or leave it out"
+        "--adapter `{0}` chooses a graphics adapter, but the gpu backend is not used; name gpu in --backend or --backends, or leave it out"
     )]
     AdapterOfCpu(String),
+    /// Samples of lights for a renderer that takes none.
+    #[error("--light-samples is for the trace backend; shadow maps see a light's centre alone; name trace in --backend, or leave it out")]
+    LightSamplesOfMaps,
+    /// A shadow map of the tracer.
+    #[error("the trace backend has no shadow maps; take --backend cpu or gpu to look at one")]
+    MapOfTrace,
     /// The plan.
     #[error(transparent)]
     Plan(#[from] FramePlanError),

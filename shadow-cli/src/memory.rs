@@ -30,6 +30,11 @@ const TRIANGLE: u64 = 12 + 4;
 /// Bytes of a triangle in the CPU backend, which keeps what a pass needs for the next: its edges and depth plane (44, in a list that has up to twice
 /// the room it needs), and its entries in two or three bins (12 each).
 const CPU_TRIANGLE: u64 = 2 * 44 + 36;
+/// Bytes of a triangle in the tracer while its tree is built: corners (48), the builder's nodes and their order (two and two of 48, 36), the tree that is
+/// folded from them (about 130), and indices.
+const TRACE_TRIANGLE: u64 = 48 + 4 * 48 + 36 + 130 + 24;
+/// Bytes of what a ray of the camera saw.
+const SEEN: u64 = 32;
 /// Bytes of a vertex in the GPU backend: all that it has three times while it is brought there, and its position once more.
 const GPU_VERTEX: u64 = 3 * VERTEX + 12;
 /// Bytes of a triangle in the GPU backend: the same with its indices.
@@ -181,6 +186,13 @@ impl Amounts {
                     frame: all_stages.saturating_sub(moved.frame),
                 }
             }
+            // What is seen and how many samples of each light stay while colours are made, which the CPU renderer's form of the scene is for.
+            Backend::Trace => Demand {
+                meshes: self.vertices * CPU_VERTEX + self.triangles * TRACE_TRIANGLE,
+                textures: 2 * self.texels * TEXEL,
+                maps: 0,
+                frame: self.pixels.saturating_mul(SEEN + NUMBER).saturating_add(self.visibility().saturating_mul(2)),
+            },
             // Everything is in the adapter's memory, which may be the system's. A layer is read back through two buffers, and
             // visibility is then sorted by light. The scene is laid out and staged to be brought there.
             Backend::Gpu => {

@@ -1,5 +1,6 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
+use shadow_cpu::trace::Sampling;
 use shadow_math::{Bias, Camera, Filter, ShadowSettings};
 use shadow_scene::{
     FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
@@ -34,6 +35,8 @@ pub(crate) struct Job {
     pub(crate) settings: ShadowSettings,
     /// How the picture is made.
     pub(crate) plan: FramePlan,
+    /// How the tracer samples lights that have a size; `None` as it does by itself.
+    pub(crate) light_samples: Option<Sampling>,
     /// The most memory that it may take.
     pub(crate) limit: Limit,
 }
@@ -51,7 +54,7 @@ impl Job {
         let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
         notes.extend(plan.notes.iter().cloned());
         tell_notes(&notes, console);
-        Ok(Self { scene_name, scene, notes, camera_name, camera, settings, plan, limit })
+        Ok(Self { scene_name, scene, notes, camera_name, camera, settings, plan, light_samples: None, limit })
     }
 
     /// The layer that is to be shown, once it is known that there is one.

@@ -12,6 +12,7 @@ mod bytes;
 use std::{ffi::OsString, path::PathBuf, str::FromStr};
 
 use clap::ValueEnum;
+use shadow_cpu::trace::Sampling;
 use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
 
 pub(crate) use self::{
@@ -86,6 +87,20 @@ impl FromStr for Show {
     }
 }
 
+/// The most samples that a light with a size may take.
+pub(crate) const MAX_LIGHT_SAMPLES: u32 = 4096;
+
+/// How many rays are sent to a light that has a size: a square number.
+pub(crate) fn light_samples(text: &str) -> Result<Sampling, SpecError> {
+    let failed = || SpecError::LightSamples(text.into());
+    let given = text.parse::<u32>().ok().filter(|given| (1..=MAX_LIGHT_SAMPLES).contains(given)).ok_or_else(failed)?;
+    let side = given.isqrt();
+    if side * side == given {
+        return Ok(Sampling { side });
+    }
+    Err(SpecError::LightSamplesNotSquare { given, below: side * side, above: (side + 1) * (side + 1) })
+}
+
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum SceneSource {
@@ -122,13 +137,14 @@ impl FromStr for BackendPair {
         let backends = text.split(',').map(|name| Backend::from_str(name.trim(), false)).collect::<Result<Vec<_>, _>>();
         match backends.map_err(|_| failed())?[..] {
             [first, second] if first == second => Err(SpecError::SameBackend),
+            [Backend::Trace, _] | [_, Backend::Trace] => Err(SpecError::CompareTrace),
             [first, second] => Ok(Self { first, second }),
             _ => Err(failed()),
         }
     }
 }
 
-/// One or both backends, in the order in which they were named.
+/// Some of the backends, in the order in which they were named.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BackendList(pub(crate) Vec<Backend>);
 
@@ -192,7 +208,8 @@ mod tests {
     fn backends_come_in_different_pairs() {
         assert_eq!("gpu,cpu".parse(), Ok(BackendPair { first: Backend::Gpu, second: Backend::Cpu }));
         assert_eq!("gpu,gpu".parse::<BackendPair>(), Err(SpecError::SameBackend));
-        for bad in ["cpu", "cpu,gpu,cpu", "cpu,trace", ""] {
+        assert_eq!("cpu,trace".parse::<BackendPair>(), Err(SpecError::CompareTrace));
+        for bad in ["cpu", "cpu,gpu,cpu", "cpu,rays", ""] {
             assert_eq!(bad.parse::<BackendPair>(), Err(SpecError::Backends(bad.into())));
         }
     }
@@ -201,7 +218,8 @@ mod tests {
     fn backends_come_in_lists_without_repetition() {
         assert_eq!("gpu".parse(), Ok(BackendList(vec![Backend::Gpu])));
         assert_eq!("gpu, cpu".parse(), Ok(BackendList(vec![Backend::Gpu, Backend::Cpu])));
-        for bad in ["", "cpu,cpu", "cpu,gpu,cpu", "cpu,", "trace"] {
+        assert_eq!("trace".parse(), Ok(BackendList(vec![Backend::Trace])));
+        for bad in ["", "cpu,cpu", "cpu,gpu,cpu", "cpu,", "rays"] {
             assert_eq!(bad.parse::<BackendList>(), Err(SpecError::BackendList(bad.into())));
         }
     }

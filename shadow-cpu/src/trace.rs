@@ -47,7 +47,7 @@ use shadow_scene::{Pass, Scene, SceneLight, Surfaces};
 
 pub use self::{
     camera::CameraView,
-    picture::{Sampling, Traced},
+    picture::{Sampling, Seen, SeenLights},
     ray::{Hit, Ray},
     surface::SurfacePoint,
 };
@@ -75,6 +75,7 @@ pub struct Tracer<'a> {
 pub struct Rays<'a> {
     tracer: &'a Tracer<'a>,
     stack: Vec<Waiting>,
+    sent: u64,
 }
 
 impl<'a> Tracer<'a> {
@@ -97,7 +98,7 @@ impl<'a> Tracer<'a> {
     /// Rays for one thread.
     #[must_use]
     pub fn rays(&self) -> Rays<'_> {
-        Rays { tracer: self, stack: Vec::with_capacity(self.structure.stack_size) }
+        Rays { tracer: self, stack: Vec::with_capacity(self.structure.stack_size), sent: 0 }
     }
 
     /// The scene.
@@ -153,25 +154,35 @@ impl<'a> Tracer<'a> {
 }
 
 impl Rays<'_> {
+    /// How many rays were sent.
+    #[must_use]
+    pub fn sent(&self) -> u64 {
+        self.sent
+    }
+
     /// The first triangle that a ray of the camera meets.
     pub fn closest_seen(&mut self, ray: Ray) -> Option<Hit> {
         let tracer = self.tracer;
-        let accept = |hit: &Hit| tracer.is_seen(hit);
-        dispatch(false, Walk::<_, false> { structure: &tracer.structure, stack: &mut self.stack, ray, accept })
+        self.walk::<false>(ray, |hit| tracer.is_seen(hit))
     }
 
     /// The first triangle, of either side, that a ray meets.
     pub fn closest(&mut self, ray: Ray) -> Option<Hit> {
         let tracer = self.tracer;
-        let accept = |hit: &Hit| tracer.is_there(hit);
-        dispatch(false, Walk::<_, false> { structure: &tracer.structure, stack: &mut self.stack, ray, accept })
+        self.walk::<false>(ray, |hit| tracer.is_there(hit))
     }
 
     /// Whether a ray meets any triangle, of either side.
     pub fn is_blocked(&mut self, ray: Ray) -> bool {
         let tracer = self.tracer;
-        let accept = |hit: &Hit| tracer.is_there(hit);
-        dispatch(false, Walk::<_, true> { structure: &tracer.structure, stack: &mut self.stack, ray, accept }).is_some()
+        self.walk::<true>(ray, |hit| tracer.is_there(hit)).is_some()
+    }
+
+    /// Sends a ray.
+    #[inline(always)]
+    fn walk<const ANY: bool>(&mut self, ray: Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.sent += 1;
+        dispatch(false, Walk::<_, ANY> { structure: &self.tracer.structure, stack: &mut self.stack, ray, accept })
     }
 
     /// Whether the middle of a light is seen from a surface that faces it: the truth of a light without a size.
@@ -186,17 +197,18 @@ impl Rays<'_> {
         Some((ray, self.closest(ray)?))
     }
 
-    /// How many of `side * side` samples of a light are seen from a surface; the light's shape says over what they are spread.
+    /// How many samples of a light are seen from a surface; the light's shape says over what they are spread.
     ///
-    /// The samples are stratified, and jittered by `seed`: the same seed gives the same samples. A light without a size has a single one.
-    pub fn samples_seen(&mut self, point: &SurfacePoint, light: &SceneLight, side: u32, seed: u64) -> u32 {
+    /// The samples are stratified, and jittered by `seed`: the same seed gives the same samples. A light without a size is seen by all of
+    /// them or by none, for which one ray is enough.
+    pub fn samples_seen(&mut self, point: &SurfacePoint, light: &SceneLight, sampling: Sampling, seed: u64) -> u32 {
         let figure = Figure::new(point.position, light);
         if matches!(figure, Figure::Dot) {
-            return if self.sees_center(point, light) { side * side } else { 0 };
+            return if self.sees_center(point, light) { sampling.count() } else { 0 };
         }
         let mut seen = 0;
-        for cell in 0..side * side {
-            if let Some(ray) = figure.ray(point, light, stratified(side, cell, seed))
+        for cell in 0..sampling.count() {
+            if let Some(ray) = figure.ray(point, light, stratified(sampling.side, cell, seed))
                 && !self.is_blocked(ray)
             {
                 seen += 1;

@@ -7,7 +7,7 @@ use shadow_scene::StageTimes;
 use super::Verdict;
 use crate::{
     args::BenchArgs,
-    backend::{OnceTimes, OpenBackend, check_machine, milliseconds_since},
+    backend::{OnceTimes, OpenBackend, RayRates, check_machine, milliseconds_since},
     console::{Console, count, print, print_json, table},
     error::CliError,
     memory::{self, Work},
@@ -55,6 +55,8 @@ struct BackendReport {
     milliseconds_once: Once,
     /// See [`PeakWatch`]; null where the system does not tell.
     peak_bytes: Option<u64>,
+    /// By the medians; null for backends that send no rays.
+    million_rays_per_second: Option<RayRates>,
 }
 
 /// What is done once, however many frames follow, in milliseconds.
@@ -156,7 +158,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     for backend in backends {
         let watch = PeakWatch::begin();
         let (open, OnceTimes { open: opened, prepare }) =
-            OpenBackend::open(*backend, &job.scene, &args.machine, RasterRules::default(), &console)?;
+            OpenBackend::open(*backend, &job, &args.machine, RasterRules::default(), &console)?;
         let start = std::time::Instant::now();
         open.draw(&job.plan)?;
         let once = Once { open: opened, prepare, first_frame: milliseconds_since(start) };
@@ -203,11 +205,13 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
 impl BackendReport {
     fn of(contender: &Contender<'_>) -> Self {
         let spread = PerStage::by(|stage| Spread::of(contender.rounds.iter().map(stage).collect()));
+        let milliseconds = spread.map(|spread| spread.median);
         Self {
             backend: contender.name,
             adapter: contender.backend.adapter().map(|adapter| adapter.name.clone()),
             threads: contender.backend.threads(),
-            milliseconds: spread.map(|spread| spread.median),
+            million_rays_per_second: contender.backend.million_rays_per_second(milliseconds.camera, milliseconds.shading),
+            milliseconds,
             spread,
             milliseconds_once: contender.once,
             peak_bytes: contender.peak_bytes,
@@ -257,6 +261,12 @@ fn text(report: &Report<'_>) -> String {
         ));
     }
     for backend in &report.backends {
+        if let Some(RayRates { camera, shadow }) = backend.million_rays_per_second {
+            text.push_str(&format!(
+                "{} sends {camera:.1} million rays a second from the camera and {shadow:.1} million to lights\n",
+                backend.title()
+            ));
+        }
         let Once { open, prepare, first_frame } = backend.milliseconds_once;
         let peak =
             backend.peak_bytes.map_or_else(String::new, |bytes| format!("; {:.0} MiB of memory at its peak", bytes as f64 / MIB));
@@ -306,6 +316,7 @@ mod tests {
             spread: PerStage::by(|stage| Spread::of(rounds.iter().map(stage).collect())),
             milliseconds_once: Once { open: 0.5, prepare: 7.0, first_frame: 8.0 },
             peak_bytes: adapter.is_none().then_some(3 << 20),
+            million_rays_per_second: adapter.is_none().then_some(RayRates { camera: 1.25, shadow: 2.5 }),
         };
         let report = Report {
             scene: "builtin:demo",
@@ -327,6 +338,7 @@ mod tests {
             "cpu (2 threads) took once 0.5 ms to open",
             "3 MiB of memory at its peak\n",
             "gpu (a driver) took once",
+            "1.2 million rays a second from the camera and 2.5 million to lights",
         ] {
             assert!(text.contains(part), "`{part}` in {text}");
         }

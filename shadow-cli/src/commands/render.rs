@@ -1,13 +1,19 @@
 //! `shadow render`: one picture.
 
 use serde::Serialize;
-use shadow_cpu::RasterRules;
-use shadow_scene::StageTimes;
+use shadow_cpu::{
+    RasterRules,
+    trace::{
+        Sampling,
+        confidence::{CONFIDENCE, Intervals},
+    },
+};
+use shadow_scene::{LayerName, StageTimes};
 
 use super::Verdict;
 use crate::{
-    args::RenderArgs,
-    backend::{RenderedFrame, check_machine},
+    args::{Backend, RenderArgs},
+    backend::{RenderedFrame, check_machine, has_sized_light},
     console::{Console, count, print, print_json},
     error::CliError,
     memory::{self, Work},
@@ -30,7 +36,27 @@ struct Report<'a> {
     /// Its height.
     height: u32,
     milliseconds: Milliseconds,
+    /// Null where no light was sampled.
+    light_samples: Option<LightSamples>,
     output: String,
+}
+
+/// How lights that have a size were sampled.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct LightSamples {
+    /// Rays a pixel and light.
+    count: u32,
+    /// How often the true visibility of a pixel lies in its interval, at least.
+    confidence: f64,
+    /// The width of the widest interval that a pixel can have.
+    widest_interval: f64,
+}
+
+impl From<Sampling> for LightSamples {
+    fn from(sampling: Sampling) -> Self {
+        let count = sampling.count();
+        Self { count, confidence: CONFIDENCE, widest_interval: Intervals::new(count, CONFIDENCE).widest() }
+    }
 }
 
 /// How long each stage took, in milliseconds.
@@ -56,8 +82,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     let format = check_output_path(&args.output)?;
     let console = Console::new(args.json);
     check_machine(&args.machine, &[args.backend], &console)?;
-    let job = Job::resolve(&args.picture, &console)?;
+    if args.light_samples.is_some() && args.backend != Backend::Trace {
+        return Err(CliError::LightSamplesOfMaps);
+    }
+    let job = Job { light_samples: args.light_samples, ..Job::resolve(&args.picture, &console)? };
     let layer = job.layer(&args.show)?;
+    if args.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
+        return Err(CliError::MapOfTrace);
+    }
+    if args.backend != Backend::Trace && has_sized_light(&job.scene) {
+        console.note("shadow maps are drawn for a light's centre, so that its shadows are hard; --backend trace shows its size");
+    }
     memory::check(&job, Work::Render(args.backend, layer, format))?;
 
     let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
@@ -81,6 +116,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
         width: shown.width,
         height: shown.height,
         milliseconds: rendered.times.into(),
+        light_samples: rendered.sampling.map(LightSamples::from),
         output: args.output.display().to_string(),
     };
     if args.json { print_json(&report) } else { print(&sentences(&report, &job, &rendered, &layer.to_string())) }?;

@@ -2,7 +2,7 @@
 
 use shadow_math::settings::{MAX_MAP_SIZE, MIN_MAP_SIZE};
 
-use super::MAX_PICTURE_SIZE;
+use super::{MAX_LIGHT_SAMPLES, MAX_PICTURE_SIZE};
 
 /// Why a value of the command line cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -108,7 +108,7 @@ pub(crate) enum SpecError {
     #[error("`{0}` is not a pair of backends; write exactly two of cpu and gpu, such as cpu,gpu")]
     Backends(String),
     /// Not a list of backends.
-    #[error("`{0}` is not a list of backends; write cpu, gpu or both, each at most once, such as cpu,gpu")]
+    #[error("`{0}` is not a list of backends; write some of cpu, gpu and trace, each at most once, such as cpu,gpu")]
     BackendList(String),
     /// The same backend twice.
     #[error("comparing a backend with itself proves nothing; name two different ones, such as cpu,gpu")]
@@ -116,4 +116,20 @@ pub(crate) enum SpecError {
     /// A light that is both a sphere and a rectangle.
     #[error("a light is a sphere of `radius` or a rectangle of `width` and `height`, not both; leave one out")]
     TwoSizes,
+    /// The tracer in a comparison of renderers.
+    #[error("the tracer follows no plan, so that it cannot be compared layer by layer; `shadow measure` judges shadow maps by it")]
+    CompareTrace,
+    /// Not a number of samples.
+    #[error("`{0}` is not a number of samples; write a square number from 1 to {MAX_LIGHT_SAMPLES}, such as 64")]
+    LightSamples(String),
+    /// A number of samples that does not fill a square.
+    #[error("{given} samples do not fill a square grid; take {below} or {above}")]
+    LightSamplesNotSquare {
+        /// What was typed.
+        given: u32,
+        /// The next lower square.
+        below: u32,
+        /// The next higher one.
+        above: u32,
+    },
 }

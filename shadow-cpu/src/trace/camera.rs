@@ -6,7 +6,7 @@ use shadow_math::{Camera, Projection};
 use super::ray::Ray;
 
 /// A camera's view of a picture.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraView {
     camera: Camera,
     width: u32,

@@ -1,9 +1,11 @@
-//! The picture that the camera sees, with the visibility of every light at every pixel.
+//! The picture that the camera sees, and the visibility of every light at every pixel of it.
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 use shadow_scene::{Frame, Layer, LayerName, NO_TRIANGLE, Pixels, Request};
 
-use super::{CameraView, Tracer, light::scramble};
+use super::{CameraView, Hit, Tracer, light::scramble};
 
 /// How a light that has a size is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +15,7 @@ pub struct Sampling {
 }
 
 impl Default for Sampling {
-    /// 64 samples: visibilities are then known to a quarter, at 95 % confidence, at worst.
+    /// 64 samples: at 95 % confidence a visibility is then known to 0.13 either way at worst.
     fn default() -> Self {
         Self { side: 8 }
     }
@@ -27,94 +29,125 @@ impl Sampling {
     }
 }
 
-/// A traced picture.
+/// What a camera sees: where the ray through each pixel ends, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Traced {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// The triangle of each pixel, or [`NO_TRIANGLE`], row by row from the top.
-    pub triangles: Vec<u32>,
-    /// The reversed depth of each pixel; 0 where there is nothing.
-    pub depth: Vec<f32>,
-    /// How many samples of each light each pixel sees, the lights of a pixel side by side; all of them where there is nothing.
-    pub seen: Vec<u32>,
-    /// How the lights were sampled.
-    pub sampling: Sampling,
+pub struct Seen {
+    /// Whose rays they are.
+    pub view: CameraView,
+    /// Where they end; the triangle is [`NO_TRIANGLE`] where there is nothing.
+    pub hits: Vec<Hit>,
 }
 
-impl Traced {
+/// How much of each light is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenLights {
+    /// How many samples of each light each pixel sees, the lights of a pixel side by side; all of them where there is nothing.
+    pub samples_seen: Vec<u32>,
+    /// How the lights were sampled.
+    pub sampling: Sampling,
+    /// How many rays were sent: a surface that does not face a light needs none, and a light without a size one.
+    pub rays: u64,
+}
+
+impl SeenLights {
     /// The visibility of every light at every pixel, the lights of a pixel side by side: from 0, hidden, to 1.
     #[must_use]
     pub fn visibility(&self) -> Vec<f32> {
         let count = f64::from(self.sampling.count());
-        self.seen.iter().map(|&seen| (f64::from(seen) / count) as f32).collect()
+        self.samples_seen.iter().map(|&seen| (f64::from(seen) / count) as f32).collect()
+    }
+}
+
+impl Seen {
+    /// The triangle of each pixel.
+    #[must_use]
+    pub fn triangles(&self) -> Vec<u32> {
+        self.hits.iter().map(|hit| hit.triangle).collect()
+    }
+}
+
+/// A ray's end where there is nothing.
+const NOTHING: Hit = Hit { triangle: NO_TRIANGLE, distance: f64::INFINITY, u: 0.0, v: 0.0, is_back: false };
+
+impl Tracer<'_> {
+    /// What a camera sees. `on_row` is called, from any thread, as each row is done.
+    ///
+    /// The result does not depend on the number of threads.
+    #[must_use]
+    pub fn camera(&self, view: CameraView, on_row: &(dyn Fn() + Sync)) -> Seen {
+        let (width, height) = (view.width() as usize, view.height() as usize);
+        let mut hits = vec![NOTHING; width * height];
+        self.threads.install(|| {
+            hits.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+                let mut rays = self.rays();
+                for (x, hit) in row.iter_mut().enumerate() {
+                    *hit = rays.closest_seen(view.ray(x as u32, y as u32)).unwrap_or(NOTHING);
+                }
+                on_row();
+            });
+        });
+        Seen { view, hits }
     }
 
-    /// The layers that are asked for, as far as rays can make them: there are no shadow maps, and colour is made from visibility
-    /// by those who know how surfaces shine.
+    /// How much of each of the scene's lights is seen from what a camera sees. `on_row` is called, from any thread, as each row is done.
+    ///
+    /// The result does not depend on the number of threads.
+    ///
+    /// # Panics
+    ///
+    /// If what is seen is not of this scene.
     #[must_use]
-    pub fn into_frame(self, request: Request) -> Frame {
-        let (width, height) = (self.width, self.height);
-        let lights = self.seen.len() / self.triangles.len().max(1);
+    pub fn lights(&self, seen: &Seen, sampling: Sampling, on_row: &(dyn Fn() + Sync)) -> SeenLights {
+        let width = seen.view.width() as usize;
+        let lights = self.scene().lights();
+        let mut samples_seen = vec![sampling.count(); seen.hits.len() * lights.len()];
+        let sent = AtomicU64::new(0);
+        // A scene without lights has no rows of visibilities.
+        let rows = samples_seen.par_chunks_mut((width * lights.len()).max(1)).zip(seen.hits.par_chunks(width));
+        self.threads.install(|| {
+            rows.enumerate().for_each(|(y, (samples_seen, hits))| {
+                let mut rays = self.rays();
+                for (x, hit) in hits.iter().enumerate().filter(|(_, hit)| hit.triangle != NO_TRIANGLE) {
+                    let point = self.surface_point(hit, seen.view.ray(x as u32, y as u32));
+                    for (index, light) in lights.iter().enumerate() {
+                        let place = x * lights.len() + index;
+                        let seed = scramble((y * width * lights.len() + place) as u64);
+                        samples_seen[place] = rays.samples_seen(&point, light, sampling, seed);
+                    }
+                }
+                sent.fetch_add(rays.sent(), Ordering::Relaxed);
+                on_row();
+            });
+        });
+        SeenLights { samples_seen, sampling, rays: sent.into_inner() }
+    }
+
+    /// The layers that are asked for of what a camera sees, as far as rays can make them: there are no shadow maps. `lights` and `color` are those that
+    /// belong to it, where they are asked for.
+    #[must_use]
+    pub fn frame(&self, seen: &Seen, lights: Option<&SeenLights>, color: Option<Vec<[f32; 4]>>, request: Request) -> Frame {
+        let (width, height) = (seen.view.width(), seen.view.height());
         let mut layers = Vec::new();
-        let visibility = if request.visibility { self.visibility() } else { Vec::new() };
         if request.camera {
-            layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(self.triangles) });
-            layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(self.depth) });
+            let depth = seen.hits.iter().enumerate().map(|(pixel, hit)| {
+                let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+                if hit.triangle == NO_TRIANGLE { 0.0 } else { seen.view.reversed_depth(seen.view.ray(x, y).at(hit.distance)) as f32 }
+            });
+            let depth = Pixels::Float(depth.collect());
+            layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(seen.triangles()) });
+            layers.push(Layer { name: LayerName::Depth, width, height, pixels: depth });
         }
-        if request.visibility {
-            for light in 0..lights {
-                let values = visibility.iter().skip(light).step_by(lights).copied().collect();
+        if let (true, Some(lights)) = (request.visibility, lights) {
+            let (visibility, count) = (lights.visibility(), self.scene().lights().len());
+            for light in 0..count {
+                let values = visibility.iter().skip(light).step_by(count).copied().collect();
                 let name = LayerName::Visibility { light: light as u32 };
                 layers.push(Layer { name, width, height, pixels: Pixels::Float(values) });
             }
         }
+        if let (true, Some(color)) = (request.color, color) {
+            layers.push(Layer { name: LayerName::Color, width, height, pixels: Pixels::Rgba(color) });
+        }
         Frame { source: "trace".into(), layers }
-    }
-}
-
-impl Tracer<'_> {
-    /// Traces what a camera sees under all lights of the scene. `on_rows` is told, from any thread, how many rows more are done.
-    ///
-    /// The result does not depend on the number of threads.
-    #[must_use]
-    pub fn trace(&self, view: &CameraView, sampling: Sampling, on_rows: &(dyn Fn(u64) + Sync)) -> Traced {
-        let (width, height) = (view.width() as usize, view.height() as usize);
-        let lights = self.scene().lights();
-        let mut traced = Traced {
-            width: view.width(),
-            height: view.height(),
-            triangles: vec![NO_TRIANGLE; width * height],
-            depth: vec![0.0; width * height],
-            seen: vec![sampling.count(); width * height * lights.len()],
-            sampling,
-        };
-        // A scene without lights has rows of no visibilities.
-        let mut seen_rows: Vec<&mut [u32]> = if lights.is_empty() {
-            (0..height).map(|_| Default::default()).collect()
-        } else {
-            traced.seen.chunks_mut(width * lights.len()).collect()
-        };
-        let rows = traced.triangles.par_chunks_mut(width).zip(traced.depth.par_chunks_mut(width)).zip(seen_rows.par_iter_mut());
-        self.threads.install(|| {
-            rows.enumerate().for_each(|(y, ((triangles, depth), seen))| {
-                let mut rays = self.rays();
-                for x in 0..width {
-                    let ray = view.ray(x as u32, y as u32);
-                    let Some(hit) = rays.closest_seen(ray) else { continue };
-                    let point = self.surface_point(&hit, ray);
-                    triangles[x] = hit.triangle;
-                    depth[x] = view.reversed_depth(point.position) as f32;
-                    for (index, light) in lights.iter().enumerate() {
-                        let seed = scramble(((y * width + x) * lights.len() + index) as u64);
-                        seen[x * lights.len() + index] = rays.samples_seen(&point, light, sampling.side, seed);
-                    }
-                }
-                on_rows(1);
-            });
-        });
-        traced
     }
 }

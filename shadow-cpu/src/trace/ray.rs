@@ -52,10 +52,10 @@ impl Ray {
         self.end
     }
 
-    /// The same ray with an end no farther than `end`, in units of the direction.
+    /// The point at a distance in units of the direction.
     #[must_use]
-    pub fn until(self, end: f64) -> Self {
-        Self { end: self.end.min(end), ..self }
+    pub fn at(&self, distance: f64) -> DVec3 {
+        self.origin + self.direction * distance
     }
 }
 
