@@ -61,7 +61,9 @@ pub(crate) enum CliError {
     )]
     AdapterOfCpu(String),
     /// Samples of lights for a renderer that takes none.
-    #[error("--light-samples is for the trace backend; shadow maps see a light's centre alone; name trace in --backend, or leave it out")]
+    #[error(
+        "--light-samples is for the trace backend; shadow maps see a light's centre alone; name trace in --backend, or leave it out"
+    )]
     LightSamplesOfMaps,
     /// A shadow map of the tracer.
     #[error("the trace backend has no shadow maps; take --backend cpu or gpu to look at one")]

@@ -70,6 +70,23 @@ fn shading_reads_no_map() {
     assert_absent(&of_shade, &["MapAccess", "ViewPlan", "fetch_texel"]);
 }
 
+/// A plan that both renderers share can be wrong, and they would still agree: only what knows nothing of it can tell.
+#[test]
+fn the_truth_knows_no_shadow_map() {
+    let all = code_below("shadow-cpu/src", "rs");
+    let is_of_trace = |file: &str| file.ends_with("src/trace.rs") || file.contains("src/trace/");
+    let of_trace: Vec<_> = all.into_iter().filter(|(file, _)| is_of_trace(file) && !file.ends_with("tests.rs")).collect();
+    assert!(of_trace.len() > 500, "{} lines of the tracer", of_trace.len());
+    let modules = ["plan", "bias", "filter", "fit", "depth", "rounding", "visibility", "settings", "convex", "frustum"];
+    for module in modules {
+        assert_absent(&of_trace, &[&format!("shadow_math::{module}"), &format!("    {module}::"), &format!("{{{module}::")]);
+    }
+    let types =
+        ["ViewPlan", "LightPlan", "CameraPlan", "FramePlan", "MapAccess", "ShadowSettings", "Receiver", "Filter", "Bias", "Mat4"];
+    assert_absent(&of_trace, &types);
+    assert_absent(&of_trace, &["crate::raster", "crate::resolve", "crate::measure"]);
+}
+
 #[test]
 fn every_tap_goes_through_one_function() {
     let lines = code_below("shadow-gpu/src/shaders", "wgsl");

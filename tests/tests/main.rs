@@ -6,6 +6,7 @@ mod layout;
 mod mirrors;
 mod comparator;
 mod analytic;
+mod truth;
 mod slope_bias;
 mod limits;
 mod import;

@@ -117,7 +117,9 @@ pub(crate) enum SpecError {
     #[error("a light is a sphere of `radius` or a rectangle of `width` and `height`, not both; leave one out")]
     TwoSizes,
     /// The tracer in a comparison of renderers.
-    #[error("the tracer follows no plan, so that it cannot be compared layer by layer; `shadow measure` judges shadow maps by it")]
+    #[error(
+        "the tracer follows no plan, so that it cannot be compared layer by layer; `shadow measure` judges shadow maps by it"
+    )]
     CompareTrace,
     /// Not a number of samples.
     #[error("`{0}` is not a number of samples; write a square number from 1 to {MAX_LIGHT_SAMPLES}, such as 64")]

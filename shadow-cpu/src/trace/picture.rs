@@ -131,7 +131,11 @@ impl Tracer<'_> {
         if request.camera {
             let depth = seen.hits.iter().enumerate().map(|(pixel, hit)| {
                 let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-                if hit.triangle == NO_TRIANGLE { 0.0 } else { seen.view.reversed_depth(seen.view.ray(x, y).at(hit.distance)) as f32 }
+                if hit.triangle == NO_TRIANGLE {
+                    0.0
+                } else {
+                    seen.view.reversed_depth(seen.view.ray(x, y).at(hit.distance)) as f32
+                }
             });
             let depth = Pixels::Float(depth.collect());
             layers.push(Layer { name: LayerName::Triangle, width, height, pixels: Pixels::Id(seen.triangles()) });
