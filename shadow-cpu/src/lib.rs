@@ -22,6 +22,7 @@ mod kernel;
 pub mod raster;
 pub mod resolve;
 pub mod trace;
+pub mod measure;
 pub mod renderer;
 
 pub use buffer::Buffer;

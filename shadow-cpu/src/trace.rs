@@ -32,6 +32,7 @@ mod ray;
 mod structure;
 mod triangle;
 mod walk;
+mod near;
 mod surface;
 mod light;
 pub mod confidence;
@@ -47,12 +48,14 @@ use shadow_scene::{Pass, Scene, SceneLight, Surfaces};
 
 pub use self::{
     camera::CameraView,
+    near::Clearance,
     picture::{Sampling, Seen, SeenLights},
     ray::{Hit, Ray},
     surface::SurfacePoint,
 };
 use self::{
     light::{Figure, ray_to_center, stratified},
+    near::is_nearly_met,
     structure::Structure,
     walk::{Waiting, Walk},
 };
@@ -111,6 +114,11 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn threads(&self) -> usize {
         self.threads.current_num_threads()
+    }
+
+    /// Runs work on the tracer's threads.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.threads.install(work)
     }
 
     /// How many of the scene's triangles can be met: all but those without an area.
@@ -183,6 +191,18 @@ impl Rays<'_> {
     fn walk<const ANY: bool>(&mut self, ray: Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         self.sent += 1;
         dispatch(false, Walk::<_, ANY> { structure: &self.tracer.structure, stack: &mut self.stack, ray, accept })
+    }
+
+    /// Whether a triangle would meet a ray if its corners moved by up to `clearance` to the side. Whether it has holes is not asked.
+    pub fn is_nearly_blocked(&mut self, ray: Ray, clearance: Clearance) -> bool {
+        self.sent += 1;
+        is_nearly_met(&self.tracer.structure, &mut self.stack, ray, clearance, |_| true)
+    }
+
+    /// The ray from a surface toward the middle of a light; `None` where the surface does not face it.
+    #[must_use]
+    pub fn to_center(&self, point: &SurfacePoint, light: &SceneLight) -> Option<Ray> {
+        ray_to_center(point, light)
     }
 
     /// Whether the middle of a light is seen from a surface that faces it: the truth of a light without a size.

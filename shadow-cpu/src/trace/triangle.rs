@@ -47,8 +47,9 @@ impl ShearedRay {
         Self { ray, axes: [x, y, z], shear, nearest: ray.end() }
     }
 
+    /// A corner in the plane in which the ray is the origin: how far to the side of the ray it lies, sheared.
     #[inline(always)]
-    fn shear(&self, corner: DVec3) -> [f64; 2] {
+    pub(super) fn shear(&self, corner: DVec3) -> [f64; 2] {
         let a = corner - self.ray.origin();
         let [x, y, z] = self.axes;
         [a[x] - self.shear[0] * a[z], a[y] - self.shear[1] * a[z]]

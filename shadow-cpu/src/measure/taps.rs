@@ -1,0 +1,171 @@
+//! The taps of a lookup: which texels decided, and which points of the receiver's plane these stand for.
+
+use core::f64::consts::SQRT_2;
+
+use glam::{DVec3, DVec4, IVec2};
+use shadow_math::{
+    filter::weighted_taps,
+    fit::cube_face_of,
+    plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
+    vector::row_times_point,
+    visibility::Lookup,
+};
+
+use crate::trace::{Clearance, SurfacePoint};
+
+/// How far the corners of a flat surface made of many triangles can lie off its plane: each coordinate is rounded to f32, half a step of `2^-23` of its size,
+/// and where three of them decide a plane and a fourth is met, the four add up.
+const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 22) as f64;
+
+/// The most taps of a filter.
+const MAX_TAPS: usize = 4;
+
+/// How far the outline of a caster in a map can be from the true one, in texels on each axis: half a step of the sub-pixel grid that its corners are snapped
+/// to, and as much again for the rounding of where they are before.
+const OUTLINE_ERROR: f64 = 2.0 * SNAP_TEXELS as f64;
+
+/// Eight points around a texel's centre, in texels: where its sample could as well have been taken.
+const AROUND: [[f64; 2]; 8] = {
+    const E: f64 = OUTLINE_ERROR;
+    [[-E, -E], [E, -E], [-E, E], [E, E], [-E, 0.0], [E, 0.0], [0.0, -E], [0.0, E]]
+};
+
+/// A lookup's taps on a receiver's plane.
+pub(super) struct Taps<'a> {
+    view: &'a ViewPlan,
+    receiver: &'a SurfacePoint,
+    texels: [IVec2; MAX_TAPS],
+    count: usize,
+}
+
+impl<'a> Taps<'a> {
+    /// The taps that a lookup in this view weighs.
+    pub(super) fn of(light: &LightPlan, view: &'a ViewPlan, lookup: &Lookup, receiver: &'a SurfacePoint) -> Self {
+        let (texels, count) = weighted_taps(light.filter, lookup.texel);
+        Self { view, receiver, texels, count }
+    }
+
+    /// Whether any texel belongs to another map of the light, or to none.
+    pub(super) fn cross_seam(&self, light: &LightPlan, lookup: &Lookup) -> bool {
+        let [left, top, width, height] = self.view.rect.map(|side| side as i32);
+        self.texels[..self.count].iter().any(|texel| {
+            let is_inside = texel.x >= left && texel.y >= top && texel.x < left + width && texel.y < top + height;
+            let is_of_other_face = || {
+                let face = |point: SurfacePoint| cube_face_of(-toward_light(light, point.position.as_vec3()));
+                self.point(*texel, [0.0; 2]).is_some_and(|point| light.first_view + face(point) != lookup.view)
+            };
+            !is_inside || light.split == SPLIT_CUBE && is_of_other_face()
+        })
+    }
+
+    /// The points of the receiver's plane behind the texels' centres; `None` for each that the light's ray does not meet.
+    pub(super) fn centers(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
+        self.texels[..self.count].iter().map(|texel| self.point(*texel, [0.0; 2]))
+    }
+
+    /// As [`Self::centers`], for points beside the centres by as much as outlines in the map can be off.
+    pub(super) fn around(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
+        self.texels[..self.count].iter().flat_map(|texel| AROUND.map(|offset| self.point(*texel, offset)))
+    }
+
+    /// How far outlines in the map can be off, in metres across the ray from one of the taps to the light.
+    pub(super) fn clearance(&self, point: &SurfacePoint) -> Clearance {
+        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
+        let w = f64::from(row_times_point(self.view.clip_w, point.position.as_vec3()));
+        let at_origin = SQRT_2 * OUTLINE_ERROR * texel * w;
+        // Toward the light of a perspective view texels shrink to nothing.
+        Clearance { at_origin, at_end: if self.view.w_per_metre == 0.0 { at_origin } else { 0.0 } }
+    }
+
+    fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {
+        let place = [f64::from(texel.x) + 0.5 + offset[0], f64::from(texel.y) + 0.5 + offset[1]];
+        point_behind(self.view, place, self.receiver)
+    }
+}
+
+/// Where the light's ray through a point of a map meets the receiver's plane: `None` where it runs along the plane, or meets it behind the light.
+fn point_behind(view: &ViewPlan, texel: [f64; 2], receiver: &SurfacePoint) -> Option<SurfacePoint> {
+    let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
+    let ndc = |axis: usize| (texel[axis] - f64::from(view.texel_offset[axis])) / f64::from(view.texel_scale[axis]);
+    let w = row(view.clip_w);
+    // The point's x and y are the texel's times its w, and it lies on the plane: three planes that meet in one point.
+    let (a, b) = (row(view.clip_x) - w * ndc(0), row(view.clip_y) - w * ndc(1));
+    let position =
+        meeting_point([(a.truncate(), -a.w), (b.truncate(), -b.w), (receiver.normal, receiver.normal.dot(receiver.position))])?;
+    let is_before_the_light = w.dot(position.extend(1.0)) > 0.0;
+    let lift = receiver.lift + VERTEX_ROUNDING * position.abs().max_element();
+    is_before_the_light.then_some(SurfacePoint { position, normal: receiver.normal, lift })
+}
+
+/// The point of three planes `normal . p = offset`, by Cramer's rule; `None` if two of them are parallel.
+fn meeting_point([(a, d), (b, e), (c, f)]: [(DVec3, f64); 3]) -> Option<DVec3> {
+    let determinant = a.dot(b.cross(c));
+    let point = (b.cross(c) * d + c.cross(a) * e + a.cross(b) * f) / determinant;
+    point.is_finite().then_some(point)
+}
+
+/// How many metres along the light's ray a lookup's bias takes up before the receiver, whose distance from the light along the view's axis is `w` and along
+/// the ray `distance`; parallel rays have no distance but the axis.
+pub(super) fn bias_metres(view: &ViewPlan, bias: f64, w: f64, distance: f64) -> f64 {
+    let factor = f64::from(view.depth_factor);
+    if view.w_per_metre == 0.0 {
+        return bias / factor;
+    }
+    // The inverse of `bias = factor m / (w (w - m))`, scaled from the axis to the ray.
+    bias * w * w / (factor + bias * w) * (distance / w)
+}
+
+#[cfg(test)]
+mod tests {
+    use shadow_math::{
+        Light, LightKind, ShadowSettings,
+        bounds::Aabb,
+        depth::DepthScale,
+        glam::Vec3,
+        plan::{MAX_VIEWS_PER_LIGHT, plan_light},
+    };
+
+    use super::*;
+
+    fn views() -> Vec<ViewPlan> {
+        let bounds = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
+        let sun = LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.2) };
+        let spot =
+            LightKind::Spot { position: Vec3::new(1.0, 9.0, 2.0), direction: Vec3::NEG_Y, inner: 0.0, outer: 0.6, range: None };
+        let view = |kind| {
+            let light = Light { kind, color: Vec3::ONE, intensity: 1.0 };
+            let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+            plan_light(&light, &[bounds], bounds, &ShadowSettings::default(), 0, &mut views).expect("the light is planned");
+            views[0]
+        };
+        vec![view(sun), view(spot)]
+    }
+
+    /// A texel's point, projected by the plan's matrix, is the texel's centre, and lies on the plane.
+    #[test]
+    fn a_point_behind_a_texel_is_seen_in_it() {
+        for view in views() {
+            let normal = DVec3::new(0.3, 1.0, -0.2).normalize();
+            let receiver = SurfacePoint { position: DVec3::new(0.5, -1.0, 0.25), normal, lift: 0.0 };
+            for texel in [[1000.5, 900.5], [3.5, 2040.5]] {
+                let point = point_behind(&view, texel, &receiver).expect("the ray meets the plane");
+                assert!(normal.dot(point.position - receiver.position).abs() < 1e-12);
+                let ndc = view.clip_from_world().as_dmat4().project_point3(point.position);
+                for (axis, ndc) in [ndc.x, ndc.y].into_iter().enumerate() {
+                    let seen = ndc * f64::from(view.texel_scale[axis]) + f64::from(view.texel_offset[axis]);
+                    assert!((seen - texel[axis]).abs() < 1e-9, "{seen} instead of {}", texel[axis]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_length_of_a_bias_is_that_of_its_depth() {
+        for view in views() {
+            let (w, metres) = (if view.w_per_metre == 0.0 { 1.0 } else { 8.0 }, 0.125);
+            let scale = DepthScale { factor: f64::from(view.depth_factor), w_per_metre: f64::from(view.w_per_metre) };
+            let bias = scale.depth_of_metres(w, metres);
+            assert!((bias_metres(&view, bias, w, w) - metres).abs() < 1e-12);
+        }
+    }
+}
