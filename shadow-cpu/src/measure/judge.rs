@@ -323,7 +323,7 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
                 ray.is_some_and(|ray| rays.is_nearly_blocked(ray, taps.clearance(&point)))
             })
         } else {
-            taps.around().any(|point| sees(point))
+            taps.around().any(sees)
         };
     }
     if is_mixed {
