@@ -343,12 +343,12 @@ pub(crate) struct PictureArgs {
     pub(crate) filter: FilterName,
 
     /// How surfaces are kept from shadowing themselves
-    #[arg(long, value_enum, value_name = "BIAS", default_value_t = BiasName::Slope, help_heading = "Shadows")]
+    #[arg(long, value_enum, value_name = "BIAS", default_value_t = BiasName::Automatic, help_heading = "Shadows")]
     pub(crate) bias: BiasName,
 
     /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
     ///
-    /// With `--bias none` it has no meaning and is refused.
+    /// With `--bias none` and `--bias automatic` it has no meaning and is refused.
     #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
 }
@@ -570,11 +570,13 @@ pub(crate) enum FilterName {
 /// The names of the biases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BiasName {
+    /// What the receiver's plane needs under the filter, by depth or along its normal: nothing to tune
+    Automatic,
     /// Nothing: shows self-shadowing as it is
     None,
     /// The same length everywhere
     Constant,
-    /// What the receiver's plane needs under the filter, and no more
+    /// What the receiver's plane needs under the filter, by depth alone
     Slope,
 }
 
@@ -602,7 +604,7 @@ mod tests {
         assert_eq!((args.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
             (args.picture.filter, args.picture.bias, args.picture.map_size),
-            (FilterName::Bilinear, BiasName::Slope, 2048)
+            (FilterName::Bilinear, BiasName::Automatic, 2048)
         );
     }
 

@@ -53,7 +53,9 @@ pub(crate) enum CliError {
         source: CameraError,
     },
     /// A length for a bias that is none.
-    #[error("--bias-constant {0} has no meaning with --bias none; use --bias constant or --bias slope, or leave it out")]
+    #[error(
+        "--bias-constant {0} has no meaning with --bias none or --bias automatic; use --bias constant or --bias slope, or leave it out"
+    )]
     BiasConstant(f32),
     /// An adapter for a renderer that has none.
     #[error(

@@ -111,7 +111,8 @@ pub(crate) fn view_names(count: usize) -> Vec<String> {
 fn settings(args: &PictureArgs) -> Result<ShadowSettings, CliError> {
     let bias = match (args.bias, args.bias_constant) {
         (BiasName::None, None) => Bias::None,
-        (BiasName::None, Some(metres)) => return Err(CliError::BiasConstant(metres)),
+        (BiasName::Automatic, None) => Bias::Automatic,
+        (BiasName::None | BiasName::Automatic, Some(metres)) => return Err(CliError::BiasConstant(metres)),
         (BiasName::Constant, metres) => Bias::Constant { metres: metres.unwrap_or(DEFAULT_CONSTANT_METRES) },
         (BiasName::Slope, metres) => Bias::Slope { scale: 1.0, metres: metres.unwrap_or(0.0) },
     };
@@ -217,12 +218,14 @@ mod tests {
     #[test]
     fn the_bias_takes_its_default_length_from_its_kind() {
         let bias = |options: &str| job(options).unwrap().settings.bias;
-        assert_eq!(bias(""), Bias::Slope { scale: 1.0, metres: 0.0 });
+        assert_eq!(bias(""), Bias::Automatic);
+        assert_eq!(bias("--bias slope"), Bias::Slope { scale: 1.0, metres: 0.0 });
         assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::Slope { scale: 1.0, metres: 0.5 });
         assert_eq!(bias("--bias constant"), Bias::Constant { metres: 0.01 });
         assert_eq!(bias("--bias none"), Bias::None);
-        assert!(message("--bias none --bias-constant 0").contains("--bias none"));
-        assert!(message("--bias-constant -1").contains("-1 m"));
+        assert!(message("--bias none --bias-constant 0").contains("--bias slope"));
+        assert!(message("--bias-constant 0.01").contains("--bias slope"));
+        assert!(message("--bias slope --bias-constant -1").contains("-1 m"));
     }
 
     #[test]

@@ -11,13 +11,18 @@
 //! - [`gradient_by_jacobian`], equations (3) to (5) of "Shadow Mapping in Ogre" (Chong 2006), with the sign that equation (5) lacks;
 //! - [`depth_gradient`], the same in f32 from the plan's columns, which is what renderers use.
 //!
-//! [`depth_gradient`] and [`depth_bias`] are mirrored by `bias.wgsl`.
+//! The automatic bias is that need, `h(g) + snap + rounding`: h for the taps, half a step of the sub-pixel grid for the depth that a rasteriser takes from
+//! snapped vertices, and the [bound on rounding](crate::rounding) of the map's format and of the transforms on both sides. Where the light grazes a surface it is
+//! met by a step along the normal ([`normal_offset`]), elsewhere by depth ([`depth_bias`]). All three follow from the plan of one light and view and from the filter; lengths in
+//! metres come from the view's own scale, so that the same settings hold for a ring and for a town.
+//!
+//! [`depth_gradient`], [`needed_depth`], [`depth_bias`] and [`normal_offset`] are mirrored by `bias.wgsl`.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 use crate::{
     filter,
-    plan::{BIAS_NONE, BIAS_SLOPE, LightPlan, SNAP_TEXELS, ViewPlan},
+    plan::{BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, LightPlan, SNAP_TEXELS, ViewPlan, toward_light},
 };
 
 /// The most bias that has a meaning: the whole depth range. With it everything is lit.
@@ -28,6 +33,15 @@ pub const MAX_DEPTH_BIAS: f32 = 1.0;
 /// The gradient is a quotient of two dot products of three terms each. Their terms cancel only as far as the receiver is seen
 /// edge-on; at 89 degrees they have lost six bits of 24. `2^-14` covers that with a margin and costs no texel anything.
 pub const GRADIENT_MARGIN: f32 = 1.0 + 1.0 / 16_384.0;
+
+/// The tangent of the angle between a plane's normal and the light from which on the automatic bias moves lookups along the normal.
+///
+/// A depth bias c, as a length along the light, is `R t (|cos| + |sin|)` times this tangent (R the filter's reach in texels, t a texel): it grows without bound as
+/// the light grazes a surface, and what is nearer than it casts no shadow. A step of `c cos` along the normal clears as much, and is never longer than `sqrt(2) R t`; but it
+/// moves every outline on the surface to the side, by as much again, where the depth bias moves none. Which costs less was measured: over a hundred scenes, three
+/// lights and two filters the sum of squared errors of visibility has its least value, 10 % (hard) and 28 % (bilinear) below that without any step, where steps begin
+/// between 20 and 30, and changes by 1 % in between.
+pub const OFFSET_SLOPE: f32 = 24.0;
 
 /// The depth gradient of a plane, from the plane itself: `(du3/du1, du3/du2)` in depth per texel.
 ///
@@ -103,7 +117,22 @@ fn normal_derivative(column: [f32; 4], point: Vec3, normal: Vec3) -> f32 {
     normal.x * x + normal.y * y + normal.z * z
 }
 
-/// The bias of a lookup, in depth, from 0 to [`MAX_DEPTH_BIAS`]; it is added to the stored depth.
+/// How much depth the receiver's plane needs under the filter: `h(g) + snap + rounding`, at least 0.
+///
+/// `w` is the receiver's clip w, above 0. The receiver's `point` and `normal` are as for [`depth_gradient`]. A plane that is seen edge-on needs more than there
+/// is: up to infinity.
+#[inline(always)]
+#[must_use]
+pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+    let gradient = depth_gradient(view, point, normal);
+    // A constant factor comes before the variable ones: shader compilers move it there.
+    let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
+    let texels =
+        filter::support(light.filter) * light.slope_scale + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
+    slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w)
+}
+
+/// The bias of a lookup that is not moved, in depth, from 0 to [`MAX_DEPTH_BIAS`]; it is added to the stored depth.
 ///
 /// `w` is the receiver's clip w, above 0. The receiver's `point` and `normal` are as for [`depth_gradient`].
 #[inline(always)]
@@ -113,15 +142,39 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3,
         return 0.0;
     }
     let mut bias = metres_to_depth(view, w, light.bias_metres);
-    if light.bias == BIAS_SLOPE {
-        let gradient = depth_gradient(view, point, normal);
-        // A constant factor comes before the variable ones: shader compilers move it there.
-        let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
-        let texels = filter::support(light.filter) * light.slope_scale
-            + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
-        bias += slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w);
+    if light.bias != BIAS_CONSTANT {
+        bias += needed_depth(light, view, point, normal, w);
     }
     bias.min(MAX_DEPTH_BIAS)
+}
+
+/// How far a lookup is moved along the unit normal `normal`, in metres, in place of a depth bias; 0 where it stays.
+///
+/// `point` is in metres relative to the scene's origin, `w` its clip w, above 0. Only the automatic bias moves lookups, and only where the plane is steeper
+/// toward the light than [`OFFSET_SLOPE`].
+///
+/// Let `h` be the normal's component along the vector from the point to the light: its height over the plane for a light at a place, the cosine for
+/// a directional one. A point `s` above the plane is nearer to the light than the plane is, along its own ray, by the depth
+/// `factor s / (h (w + s w_n))`, where `w_n` is how fast w grows along the normal: similar triangles, exact. Set equal to the depth that is needed, H, that gives
+/// `s = H h w / (factor - H h w_n)`. Measured across the light the lookup moves by as many texels as the taps reach, times `|cos| + |sin|` of the slope's azimuth:
+/// at most `sqrt(2)` times the support.
+#[inline(always)]
+#[must_use]
+pub fn normal_offset(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+    if light.bias != BIAS_AUTOMATIC {
+        return 0.0;
+    }
+    let toward = toward_light(light, point);
+    let height = normal.dot(toward);
+    let is_steep = toward.dot(toward) > (OFFSET_SLOPE * OFFSET_SLOPE + 1.0) * (height * height);
+    let needed = needed_depth(light, view, point, normal, w) * height;
+    let along = normal.x * view.clip_w[0] + normal.y * view.clip_w[1] + normal.z * view.clip_w[2];
+    let rest = view.depth_factor - needed * along;
+    // Nothing is left of the factor where no step along the normal would be enough: the depth bias then is.
+    if is_steep && rest > 0.0 {
+        return needed * w / rest;
+    }
+    0.0
 }
 
 /// The depth that the last `metres` before a receiver take up; [`MAX_DEPTH_BIAS`] where they reach back to the light.

@@ -8,18 +8,25 @@ use glam::{IVec2, Vec2};
 
 use crate::{
     plan::{FILTER_HARD, ViewPlan},
-    settings::Filter,
+    settings::{Bias, Filter},
     visibility::MapAccess,
 };
 
-/// Texels that stay free on every side of a fit: the reach of the widest filter from a receiver at the rim, and one for rounding.
+/// Texels that stay free on every side of a fit: the reach of the widest filter from a receiver at the rim, what the bias moves a lookup by, and one for
+/// rounding.
 ///
-/// A bilinear tap is less than one texel from its lookup, a hard one half of one.
+/// A bilinear tap is less than one texel from its lookup, a hard one half of one. The automatic bias moves a lookup along the normal by less than `sqrt(2)`
+/// times as much: see [`normal_offset`](crate::bias::normal_offset).
 #[must_use]
-pub fn guard_texels(filter: Filter) -> u32 {
-    match filter {
-        Filter::Hard | Filter::Bilinear => 2,
-    }
+pub fn guard_texels(filter: Filter, bias: Bias) -> u32 {
+    let reach = match filter {
+        Filter::Hard | Filter::Bilinear => 1,
+    };
+    let moved = match bias {
+        Bias::Automatic => 2 * reach,
+        Bias::None | Bias::Constant { .. } | Bias::Slope { .. } => 0,
+    };
+    reach + moved + 1
 }
 
 /// How far the weighted taps of a filter reach, in texels on each axis: the factor of `|g1| + |g2|` in the bias it needs.

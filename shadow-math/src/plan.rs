@@ -11,7 +11,8 @@ mod error;
 
 pub use build::{plan_camera, plan_light, view_count};
 pub use data::{
-    BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT,
-    LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan, toward_light,
+    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL,
+    LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+    toward_light,
 };
 pub use error::PlanError;

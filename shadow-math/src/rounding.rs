@@ -28,8 +28,8 @@ pub const UNIT_ROUNDOFF: f64 = 1.0 / (1_u32 << 24) as f64;
 const ROW_ROUNDINGS: f64 = 4.0;
 
 /// How many roundings of the coordinates' size lie between the vertices and a point `v0 + e1 u + e2 v`: with `u + v <= 1` the edges and
-/// products make four, the sums two.
-const POINT_ROUNDINGS: f64 = 6.0;
+/// products make four, the sums two. Two more move it along the normal.
+const POINT_ROUNDINGS: f64 = 8.0;
 
 /// How many roundings of `L^2 / h` the slopes of a depth plane carry: see the [module](self).
 const PLANE_ROUNDINGS: f64 = 12.0;

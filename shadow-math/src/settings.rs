@@ -40,10 +40,14 @@ pub enum Store {
 }
 
 /// How is self-shadowing avoided?
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Bias {
+    /// By what the receiver's plane needs under the filter, and no more: as depth, or along the normal where that costs less. There is nothing
+    /// to tune ([`bias`](crate::bias) has the derivation).
+    #[default]
+    Automatic,
     /// Not at all.
     None,
     /// By the same length everywhere.
@@ -58,12 +62,6 @@ pub enum Bias {
         /// A length in metres along the view axis of the light on top of it, at least 0.
         metres: f32,
     },
-}
-
-impl Default for Bias {
-    fn default() -> Self {
-        Self::Slope { scale: 1.0, metres: 0.0 }
-    }
 }
 
 /// How are depth tests averaged?

@@ -5,11 +5,11 @@
 use glam::{Vec2, Vec3};
 
 use crate::{
-    bias::depth_bias,
+    bias::{depth_bias, normal_offset},
     filter::filtered_test,
     fit::cube_face_of,
     plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
-    vector::row_times_point,
+    vector::{normalized, row_times_point},
 };
 
 /// The way to the shadow maps.
@@ -53,7 +53,7 @@ fn known(visibility: f32) -> Lookup {
 
 /// What a receiver asks of the maps of a light. `views` are all views of the frame.
 ///
-/// Known without a map are: 0 where the surface does not face the light; 1 behind the light, nearer than the near plane and outside
+/// The bias may move the lookup away from the receiver, along its normal. Known without a map are: 0 where the surface does not face the light; 1 behind the light, nearer than the near plane and outside
 /// the map. What lies beyond the far plane is compared at the far plane's depth.
 #[inline(always)]
 #[must_use]
@@ -77,9 +77,17 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if w <= 0.0 {
         return known(1.0);
     }
-    let x = row_times_point(view.clip_x, receiver.point) / w;
-    let y = row_times_point(view.clip_y, receiver.point) / w;
-    let z = row_times_point(view.clip_z, receiver.point) / w;
+    let normal = unit_normal(receiver.normal);
+    let offset = normal_offset(light, view, receiver.point, normal, w);
+    let mut bias = depth_bias(light, view, receiver.point, receiver.normal, w);
+    if offset > 0.0 {
+        bias = 0.0;
+    }
+    let point = receiver.point + normal * offset;
+    let w = row_times_point(view.clip_w, point);
+    let x = row_times_point(view.clip_x, point) / w;
+    let y = row_times_point(view.clip_y, point) / w;
+    let z = row_times_point(view.clip_z, point) / w;
     let texel = Vec2::new(x * view.texel_scale[0] + view.texel_offset[0], y * view.texel_scale[1] + view.texel_offset[1]);
     let left = view.rect[0] as f32;
     let top = view.rect[1] as f32;
@@ -87,8 +95,15 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if !inside || z < 0.0 {
         return known(1.0);
     }
-    let bias = depth_bias(light, view, receiver.point, receiver.normal, w);
     Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias }
+}
+
+/// A normal of unit length, of one of any length above 0 that f32 can hold: scaled first, so that its square can be taken.
+#[inline(always)]
+#[must_use]
+pub fn unit_normal(normal: Vec3) -> Vec3 {
+    let largest = normal.x.abs().max(normal.y.abs()).max(normal.z.abs());
+    normalized(normal / largest)
 }
 
 /// How much of a light reaches a receiver: from 0, shadowed, to 1, lit.

@@ -14,14 +14,14 @@ use shadow_gpu::shaders::{
     VISIBILITY_MODULE, join,
 };
 use shadow_math::{
-    bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS},
+    bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS, OFFSET_SLOPE},
     material::{
         DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP,
         WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
-        BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT,
-        LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL,
+        LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
     },
     shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
@@ -196,6 +196,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         BIAS_NONE,
         BIAS_CONSTANT,
         BIAS_SLOPE,
+        BIAS_AUTOMATIC,
         FILTER_HARD,
         FILTER_BILINEAR,
         SNAP_TEXELS,
@@ -214,6 +215,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         SPECULAR_SCALE,
         MIN_HIGHLIGHT,
         GRADIENT_MARGIN,
+        OFFSET_SLOPE,
         MAX_TEXEL_COORDINATE,
         LINEAR_LIMIT,
         TABLE_WIDTH_BITS,

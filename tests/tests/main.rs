@@ -7,7 +7,7 @@ mod mirrors;
 mod comparator;
 mod analytic;
 mod truth;
-mod slope_bias;
+mod planar_bias;
 mod limits;
 mod import;
 mod poses;

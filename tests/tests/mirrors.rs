@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3, Vec4};
 use shadow_gpu::DriverRules;
 use shadow_math::{
     Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
-    bias::{depth_bias, depth_gradient},
+    bias::{OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset},
     bounds::Aabb,
     filter::{depth_test, filtered_test, support, weighted_taps},
     fit::cube_face_of,
@@ -20,14 +20,14 @@ use shadow_math::{
         sample_texture, wrap_texel,
     },
     plan::{
-        BIAS_SLOPE, FILTER_BILINEAR, FILTER_HARD, LightPlan, MAX_VIEWS_PER_LIGHT, SPLIT_SINGLE, ViewPlan, plan_light,
-        toward_light,
+        BIAS_AUTOMATIC, BIAS_SLOPE, FILTER_BILINEAR, FILTER_HARD, LightPlan, MAX_VIEWS_PER_LIGHT, SPLIT_SINGLE, ViewPlan,
+        plan_light, toward_light,
     },
     shade::{Surface, attenuation, shade_ambient, shade_light},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, triangle_point, turned_to_viewer},
     vector::{normalized, row_times_point},
-    visibility::{NO_VIEW, lookup, visibility},
+    visibility::{NO_VIEW, lookup, unit_normal, visibility},
 };
 use shadow_tests::{
     mirror::{Globals, MIRRORS, evaluate, ulps},
@@ -272,6 +272,43 @@ const TABLE: &[Mirror] = &[
         },
         bound: 48,
         reason: "those of the gradient, and three more divisions",
+    },
+    Mirror {
+        file: "bias",
+        functions: &["needed_depth", "normal_offset"],
+        statements: "let point = input3(1u);
+            let normal = unit_normal(input3(4u));
+            let view = lights[u32(input(0u))].first_view;
+            let w = row_times_point(views[view].clip_w, point);
+            output(0u, needed_depth(u32(input(0u)), view, point, normal, w));
+            output(1u, normal_offset(u32(input(0u)), view, point, normal, w));",
+        inputs_each: 7,
+        inputs: |world, _| world.receivers.concat(),
+        twin: |world, i| {
+            let (light, receiver) = receiver(world, i);
+            let view = &world.globals.views[light.first_view as usize];
+            let normal = unit_normal(receiver.normal);
+            let w = row_times_point(view.clip_w, receiver.point);
+            let needed = needed_depth(light, view, receiver.point, normal, w);
+            let offset = normal_offset(light, view, receiver.point, normal, w);
+            let [needed_scale, offset_scale] = magnitude_of_need(light, view, receiver.point, normal, w);
+            vec![Number { value: needed, scale: needed_scale }, Number { value: offset, scale: offset_scale }]
+        },
+        bound: 64,
+        reason: "the gradient of a normal that is itself rounded, and three more products and a quotient",
+    },
+    Mirror {
+        file: "visibility",
+        functions: &["unit_normal"],
+        statements: "output3(0u, unit_normal(input3(0u)));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            let edges = [[1e-30, 0.0, 0.0], [1e30, -1e30, 1e30], [0.0, -1e-38, 0.0]];
+            random.groups(&edges, |random| random.vector(3.0).to_array())
+        },
+        twin: |_, i| unit_normal(v3(i, 0)).to_array().map(Number::from).to_vec(),
+        bound: 6,
+        reason: "two quotients, a sum and a square root",
     },
     Mirror {
         file: "filter",

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::Serialize;
 use shadow_math::{
     Filter, Fit, LightKind, Store,
-    plan::{BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, LightPlan, SPLIT_CUBE, ViewPlan},
+    plan::{BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, LightPlan, SPLIT_CUBE, ViewPlan},
 };
 use shadow_scene::SceneLight;
 
@@ -175,6 +175,7 @@ fn bias_name(bias: u32) -> &'static str {
         BIAS_NONE => "none",
         BIAS_CONSTANT => "constant",
         BIAS_SLOPE => "slope",
+        BIAS_AUTOMATIC => "automatic",
         _ => "unknown",
     }
 }

@@ -1,6 +1,7 @@
 // Depth bias: mirrors shadow-math/src/bias.rs.
 
 const MAX_DEPTH_BIAS: f32 = 1.0;
+const OFFSET_SLOPE: f32 = 24.0;
 const GRADIENT_MARGIN: f32 = 1.00006103515625;
 const MAX_GRADIENT: f32 = 3.40282347e+38;
 
@@ -29,20 +30,41 @@ fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
     return views[view].depth_factor * metres / (w * w_before);
 }
 
+fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+    let gradient = depth_gradient(view, point, normal);
+    // A constant factor comes before the variable ones: shader compilers move it there.
+    let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
+    let rounding_texels = views[view].rounding_texels;
+    let rounding_depth = views[view].rounding_depth;
+    let texels = support(lights[light].filter_kind) * lights[light].slope_scale
+        + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
+    return slope * texels + (rounding_depth.x + rounding_depth.y / w);
+}
+
 fn depth_bias(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
     if lights[light].bias == BIAS_NONE {
         return 0.0;
     }
     var bias = metres_to_depth(view, w, lights[light].bias_metres);
-    if lights[light].bias == BIAS_SLOPE {
-        let gradient = depth_gradient(view, point, normal);
-        // A constant factor comes before the variable ones: shader compilers move it there.
-        let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
-        let rounding_texels = views[view].rounding_texels;
-        let rounding_depth = views[view].rounding_depth;
-        let texels = support(lights[light].filter_kind) * lights[light].slope_scale
-            + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
-        bias = bias + (slope * texels + (rounding_depth.x + rounding_depth.y / w));
+    if lights[light].bias != BIAS_CONSTANT {
+        bias = bias + needed_depth(light, view, point, normal, w);
     }
     return min(bias, MAX_DEPTH_BIAS);
+}
+
+fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+    if lights[light].bias != BIAS_AUTOMATIC {
+        return 0.0;
+    }
+    let toward = toward_light(light, point);
+    let height = dot3(normal, toward);
+    let is_steep = dot3(toward, toward) > (OFFSET_SLOPE * OFFSET_SLOPE + 1.0) * (height * height);
+    let needed = needed_depth(light, view, point, normal, w) * height;
+    let along = dot3(normal, views[view].clip_w.xyz);
+    let rest = views[view].depth_factor - needed * along;
+    // Nothing is left of the factor where no step along the normal would be enough: the depth bias then is.
+    if is_steep && rest > 0.0 {
+        return needed * w / rest;
+    }
+    return 0.0;
 }

@@ -10,6 +10,7 @@ const SPLIT_CUBE: u32 = 1u;
 const BIAS_NONE: u32 = 0u;
 const BIAS_CONSTANT: u32 = 1u;
 const BIAS_SLOPE: u32 = 2u;
+const BIAS_AUTOMATIC: u32 = 3u;
 
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;

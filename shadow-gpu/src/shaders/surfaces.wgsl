@@ -28,7 +28,7 @@ fn fetch_material(material: u32) -> MaterialData {
     );
 }
 
-// The colour and alpha of a triangle's surface at a point of it: mirrors SceneView::color of shadow-cpu/src/resolve.rs.
+// The colour and alpha of a triangle's surface at a point of it: mirrors Surfaces::color of shadow-scene/src/surfaces.rs.
 fn scene_color(triangle: u32, hit: TrianglePoint) -> vec4f {
     let corners = fetch_triangle(triangle);
     let a0 = vertex_attributes(corners.x);

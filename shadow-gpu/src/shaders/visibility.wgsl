@@ -41,13 +41,21 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if lights[light].split == SPLIT_CUBE {
         view += cube_face_of(-toward);
     }
-    let w = row_times_point(views[view].clip_w, receiver.point);
-    if w <= 0.0 {
+    let receiver_w = row_times_point(views[view].clip_w, receiver.point);
+    if receiver_w <= 0.0 {
         return known_lookup(1.0);
     }
-    let x = row_times_point(views[view].clip_x, receiver.point) / w;
-    let y = row_times_point(views[view].clip_y, receiver.point) / w;
-    let z = row_times_point(views[view].clip_z, receiver.point) / w;
+    let normal = unit_normal(receiver.normal);
+    let offset = normal_offset(light, view, receiver.point, normal, receiver_w);
+    var bias = depth_bias(light, view, receiver.point, receiver.normal, receiver_w);
+    if offset > 0.0 {
+        bias = 0.0;
+    }
+    let point = receiver.point + normal * offset;
+    let w = row_times_point(views[view].clip_w, point);
+    let x = row_times_point(views[view].clip_x, point) / w;
+    let y = row_times_point(views[view].clip_y, point) / w;
+    let z = row_times_point(views[view].clip_z, point) / w;
     let texel_scale = views[view].texel_scale;
     let texel_offset = views[view].texel_offset;
     let texel = vec2f(x * texel_scale.x + texel_offset.x, y * texel_scale.y + texel_offset.y);
@@ -59,8 +67,12 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if !inside || z < 0.0 {
         return known_lookup(1.0);
     }
-    let bias = depth_bias(light, view, receiver.point, receiver.normal, w);
     return Lookup(view, 0.0, texel, min(z, 1.0), bias);
+}
+
+fn unit_normal(normal: vec3f) -> vec3f {
+    let largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    return normalized(normal / largest);
 }
 
 fn visibility(light: u32, receiver: Receiver) -> f32 {

@@ -3,8 +3,8 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
-    BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT,
-    LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL,
+    LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     camera::Camera,
     depth::DEPTH_Z_OVER_W,
     exposure::Exposure,
-    filter,
+    filter::guard_texels,
     fit::{self, ViewFit},
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     rounding::RoundingBound,
@@ -109,7 +109,7 @@ pub fn plan_light(
     let count = view_count(light, settings)?;
     let given = views.len();
     let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
-    let guard = filter::guard_texels(settings.filter);
+    let guard = guard_texels(settings.filter, settings.bias);
 
     let mut plan = LightPlan {
         intensity: (light.color * light.intensity).to_array(),
@@ -200,6 +200,10 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
         |metres: f32| if metres.is_finite() && metres >= 0.0 { Ok(metres) } else { Err(PlanError::BiasMetres(metres)) };
     match bias {
         Bias::None => plan.bias = BIAS_NONE,
+        Bias::Automatic => {
+            plan.bias = BIAS_AUTOMATIC;
+            plan.slope_scale = 1.0;
+        }
         Bias::Constant { metres } => {
             plan.bias = BIAS_CONSTANT;
             plan.bias_metres = check_metres(metres)?;

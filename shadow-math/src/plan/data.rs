@@ -24,6 +24,8 @@ pub const BIAS_NONE: u32 = 0;
 pub const BIAS_CONSTANT: u32 = 1;
 /// [`LightPlan::bias`]: what the receiver's plane needs.
 pub const BIAS_SLOPE: u32 = 2;
+/// [`LightPlan::bias`]: what the receiver's plane needs, as depth or along the normal.
+pub const BIAS_AUTOMATIC: u32 = 3;
 
 /// [`LightPlan::filter`]: one test.
 pub const FILTER_HARD: u32 = 0;
@@ -106,7 +108,7 @@ pub struct LightPlan {
     pub view_count: u32,
     /// [`SPLIT_SINGLE`] or [`SPLIT_CUBE`]: how a receiver chooses among the views.
     pub split: u32,
-    /// [`BIAS_NONE`], [`BIAS_CONSTANT`] or [`BIAS_SLOPE`].
+    /// [`BIAS_NONE`], [`BIAS_CONSTANT`], [`BIAS_SLOPE`] or [`BIAS_AUTOMATIC`].
     pub bias: u32,
     /// A length in metres along the view axis that is added to the bias.
     pub bias_metres: f32,

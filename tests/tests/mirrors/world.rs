@@ -28,7 +28,7 @@ impl World {
             let (materials, words) = materials(&mut random);
             let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
             let mut world = Self { globals, receivers: Vec::new() };
-            world.receivers = (0..2 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
+            world.receivers = (0..8 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
             world.plant_ties();
             world
         })
@@ -251,7 +251,7 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
     ];
     let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
     let (mut lights, mut views) = (Vec::new(), Vec::new());
-    for bias in [Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
+    for bias in [Bias::Automatic, Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
         for filter in [Filter::Hard, Filter::Bilinear] {
             for (kind, split) in kinds {
                 let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
@@ -274,7 +274,7 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
 /// Maps of large blocks with single texels that differ, so that all, some or none of neighbouring tests pass; a good part was
 /// never drawn to.
 pub(super) fn depths(layers: u32, random: &mut Random) -> Vec<f32> {
-    const BLOCK: u32 = 8;
+    const BLOCK: u32 = 4;
     const BLOCKS: u32 = MAP_SIZE / BLOCK;
     // Perspective depths crowd near 1.
     let new_depth = |random: &mut Random| match random.below(3) {
@@ -383,12 +383,31 @@ pub(super) fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3,
         view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
     };
     let mut magnitude = depth_bias(light, view, point, normal, w) + reach;
-    if light.bias == BIAS_SLOPE {
+    if light.bias == BIAS_SLOPE || light.bias == BIAS_AUTOMATIC {
         let gradient = magnitude_of_gradient(view, point, normal);
         let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
         magnitude += (gradient.x + gradient.y) * texels;
     }
     magnitude
+}
+
+/// Of the need of a plane, and of the step along its normal; infinite where a choice hangs on rounding.
+pub(super) fn magnitude_of_need(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> [f32; 2] {
+    let gradient = magnitude_of_gradient(view, point, normal);
+    let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
+    let needed = (gradient.x + gradient.y) * texels.abs() + view.rounding_depth[0] + (view.rounding_depth[1] / w).abs();
+    let toward = toward_light(light, point);
+    let height = normal.dot(toward);
+    let limit = (OFFSET_SLOPE * OFFSET_SLOPE + 1.0) * height * height;
+    let height_scale = normal.abs().dot(Vec3::from(light.position).abs() + point.abs());
+    let along = normal.dot(Vec3::new(view.clip_w[0], view.clip_w[1], view.clip_w[2]));
+    let rest = view.depth_factor - needed_depth(light, view, point, normal, w) * height * along;
+    let rest_scale = view.depth_factor + needed * height_scale;
+    let is_choice =
+        (toward.dot(toward) - limit).abs() <= 1e-4 * limit || is_tie(rest, rest_scale) || is_tie(height, height_scale);
+    let offset =
+        if is_choice { f32::INFINITY } else { (needed * height_scale * w / rest).abs() * (1.0 + rest_scale / rest.abs()) };
+    [needed, offset]
 }
 
 pub(super) fn magnitude_of_attenuation(light: &LightPlan, toward: Vec3) -> f32 {
