@@ -277,7 +277,7 @@ fn the_stripes_of_a_fence_are_exact_at_every_pixel_centre() {
 fn holes_let_light_through() {
     const COLUMNS: u32 = 8;
     let scene = over_a_floor(|builder, _| {
-        let column = |column: u32| [255, 255, 255, if column % 2 == 0 { 255 } else { 0 }];
+        let column = |column: u32| [255, 255, 255, if column.is_multiple_of(2) { 255 } else { 0 }];
         let image = builder.add_image(Image { width: COLUMNS, height: 1, texels: (0..COLUMNS).map(column).collect() });
         let texture = Some(Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge });
         let grating = builder.add_material(Material { texture, alpha: Alpha::Mask { cutoff: 0.5 }, ..Material::white() });
