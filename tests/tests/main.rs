@@ -7,6 +7,7 @@ mod mirrors;
 mod comparator;
 mod analytic;
 mod truth;
+mod judge;
 mod planar_bias;
 mod limits;
 mod import;

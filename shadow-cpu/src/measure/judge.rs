@@ -6,7 +6,6 @@ use shadow_math::{
     LightKind, LightShape,
     plan::{LightPlan, ViewPlan},
     triangle::pixel_ray,
-    vector::row_times_point,
     visibility::{Lookup, lookup},
 };
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
@@ -14,7 +13,7 @@ use shadow_scene::{Frame, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scen
 use super::{
     cause::{Cause, Counts},
     regions::{Region, worst_regions},
-    taps::{Taps, bias_metres},
+    taps::Taps,
 };
 use crate::trace::{CameraView, Hit, Rays, Sampling, Seen, SeenLights, SurfacePoint, Tracer};
 
@@ -332,11 +331,9 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
     if sees_center {
         return Cause::Acne;
     }
-    let w = f64::from(row_times_point(view.clip_w, receiver.position.as_vec3()));
-    let distance = light.light.position().map_or(w, |light| light.as_dvec3().distance(receiver.position));
-    let bias = bias_metres(view, f64::from(lookup.bias), w, distance);
+    let gap = taps.gap_metres(light, lookup);
     let blocker = rays.blocker_of_center(receiver, light);
-    let is_nearer = blocker.is_some_and(|(ray, hit)| ray.direction().length() * hit.distance <= bias);
+    let is_nearer = blocker.is_some_and(|(ray, hit)| ray.direction().length() * hit.distance <= gap);
     if is_nearer { Cause::PeterPanning } else { Cause::Leak }
 }
 

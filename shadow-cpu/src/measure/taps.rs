@@ -10,12 +10,14 @@ use shadow_math::{
     vector::row_times_point,
     visibility::Lookup,
 };
+use shadow_scene::SceneLight;
 
 use crate::trace::{Clearance, SurfacePoint};
 
-/// How far the corners of a flat surface made of many triangles can lie off its plane: each coordinate is rounded to f32, half a step of `2^-23` of its size,
-/// and where three of them decide a plane and a fourth is met, the four add up.
-const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 22) as f64;
+/// How far the corners of a flat surface made of many triangles can lie off its plane, as a share of their largest coordinate. Each is rounded to f32: by half a step,
+/// `2^-24` of its size, on each axis, and so by `sqrt(3)` of that across the plane. Three of them decide a triangle's plane, and where a fourth is met, as in
+/// a quadrilateral's other half, all four add up: `4 sqrt(3) 2^-24`, a little less than this.
+const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 21) as f64;
 
 /// The most taps of a filter.
 const MAX_TAPS: usize = 4;
@@ -77,6 +79,17 @@ impl<'a> Taps<'a> {
         Clearance { at_origin, at_end: if self.view.w_per_metre == 0.0 { at_origin } else { 0.0 } }
     }
 
+    /// The gap that the bias leaves: how far before the receiver's plane the depth lies that is compared, in metres along the light's ray through the lookup.
+    pub(super) fn gap_metres(&self, light: &SceneLight, lookup: &Lookup) -> f64 {
+        let depth = f64::from(lookup.depth) - f64::from(lookup.bias);
+        let place = lookup.texel.as_dvec2();
+        let Some(behind) = point_behind(self.view, place.to_array(), self.receiver) else { return 0.0 };
+        let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
+        let w = row(self.view.clip_w);
+        let distance = light.light.position().map_or(w, |light| light.as_dvec3().distance(behind.position));
+        metres_of_depth(self.view, row(self.view.clip_z) / w - depth, w, distance)
+    }
+
     fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {
         let place = [f64::from(texel.x) + 0.5 + offset[0], f64::from(texel.y) + 0.5 + offset[1]];
         point_behind(self.view, place, self.receiver)
@@ -104,15 +117,15 @@ fn meeting_point([(a, d), (b, e), (c, f)]: [(DVec3, f64); 3]) -> Option<DVec3> {
     point.is_finite().then_some(point)
 }
 
-/// How many metres along the light's ray a lookup's bias takes up before the receiver, whose distance from the light along the view's axis is `w` and along
-/// the ray `distance`; parallel rays have no distance but the axis.
-pub(super) fn bias_metres(view: &ViewPlan, bias: f64, w: f64, distance: f64) -> f64 {
+/// How many metres along the light's ray, which is `distance` long where the view's axis measures `w`, a depth takes up before a point there. Parallel
+/// rays have no distance but the axis.
+fn metres_of_depth(view: &ViewPlan, depth: f64, w: f64, distance: f64) -> f64 {
     let factor = f64::from(view.depth_factor);
     if view.w_per_metre == 0.0 {
-        return bias / factor;
+        return depth / factor;
     }
-    // The inverse of `bias = factor m / (w (w - m))`, scaled from the axis to the ray.
-    bias * w * w / (factor + bias * w) * (distance / w)
+    // The inverse of `depth = factor m / (w (w - m))`, scaled from the axis to the ray.
+    depth * w * w / (factor + depth * w) * (distance / w)
 }
 
 #[cfg(test)]
@@ -165,7 +178,7 @@ mod tests {
             let (w, metres) = (if view.w_per_metre == 0.0 { 1.0 } else { 8.0 }, 0.125);
             let scale = DepthScale { factor: f64::from(view.depth_factor), w_per_metre: f64::from(view.w_per_metre) };
             let bias = scale.depth_of_metres(w, metres);
-            assert!((bias_metres(&view, bias, w, w) - metres).abs() < 1e-12);
+            assert!((metres_of_depth(&view, bias, w, w) - metres).abs() < 1e-12);
         }
     }
 }
