@@ -12,7 +12,7 @@ use shadow_scene::{
     Frame, FramePlan, LayerName, Material, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, SceneLight, builtin,
     builtin::shapes,
 };
-use shadow_tests::renderers::cpu;
+use shadow_tests::{renderers::cpu, report::say};
 
 /// What a judgement needs of a frame.
 const JUDGED: Request = Request { camera: true, shadow_maps: false, visibility: true, color: false };
@@ -222,7 +222,7 @@ fn assert_caught(name: &str, fault: &Fault, cause: Cause) {
     let sound = SOUND.get_or_init(|| with(&Fault::Frame(|_| {})).total());
     let faulty = with(fault).total();
     let (before, after) = (sound.count(cause), faulty.count(cause));
-    println!("{name}: {:?} became {:?} rmse {:.4} to {:.4}", sound.causes, faulty.causes, sound.rmse(), faulty.rmse());
+    say(&format!("{name}: {:?} became {:?} rmse {:.4} to {:.4}", sound.causes, faulty.causes, sound.rmse(), faulty.rmse()));
     assert_eq!(sound.count(Cause::Acne), 0, "the sound scene has no acne");
     assert!(
         after >= before + 40 && after >= 2 * before,
@@ -312,7 +312,7 @@ faults! {
 #[test]
 fn at_least_twenty_faults_are_planted() {
     assert!(faults::NAMES.len() >= 20);
-    println!("planted faults: {}", faults::NAMES.join(", "));
+    say(&format!("planted faults: {}", faults::NAMES.join(", ")));
 }
 
 #[test]

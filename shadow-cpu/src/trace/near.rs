@@ -28,6 +28,9 @@ impl Clearance {
     }
 }
 
+/// The sine of the angle between a ray and a plane below which the ray counts as running along it.
+const EDGE_ON: f64 = 1e-3;
+
 /// Whether `accept` accepts a triangle that comes within `clearance` of a ray. Rays are few here: boxes are taken one after the other.
 pub(super) fn is_nearly_met(
     structure: &Structure,
@@ -86,12 +89,13 @@ impl ShearedRay {
         let normal = (v1 - v0).cross(v2 - v0);
         let speed = normal.dot(self.ray.direction());
         let across = corners.map(|corner| DVec2::from(self.shear(corner)));
-        // A plane that the ray nearly runs along is met anywhere: somewhere between the triangle's own nearest and farthest corner will do.
         let direction = self.ray.direction();
         let along = corners.map(|corner| (corner - self.ray.origin()).dot(direction) / direction.length_squared());
         let (nearest, farthest) = (along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2]));
         let to_plane = normal.dot(v0 - self.ray.origin()) / speed;
-        let distance = to_plane.max(nearest).min(farthest);
+        // A plane that the ray nearly runs along can be met anywhere between the triangle's own nearest and farthest corner.
+        let is_edge_on = speed.abs() <= EDGE_ON * normal.length() * direction.length();
+        let distance = if is_edge_on { to_plane.max(nearest.max(f64::MIN_POSITIVE)).min(farthest) } else { to_plane };
         if !(distance > 0.0 && distance < self.ray.end()) {
             return None;
         }
