@@ -2,6 +2,8 @@
 //!
 //! The doc comments of this file are the program's help.
 
+mod help;
+
 use std::path::PathBuf;
 
 use clap::{
@@ -13,26 +15,14 @@ use clap_complete::Shell;
 use shadow_cpu::trace::Sampling;
 use shadow_scene::Choice;
 
+use self::help::{
+    BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
+    RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP,
+};
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
     light_samples, map_size, seconds,
 };
-
-/// Examples for the program as a whole.
-const EXAMPLES: &str = "\
-Examples:
-  shadow                                        draw the built-in demo scene to shadow.png
-  shadow render house.glb --size 1920x1080      draw a scene with its own camera and lights
-  shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
-  shadow compare house.glb                      do the CPU and the GPU renderer agree?
-  shadow bench house.glb                        how long does each of them take?
-  shadow info house.glb                         what is in the file?
-  shadow plan house.glb --json                  every matrix, texel size and bias
-  shadow devices                                which graphics adapters there are
-
-`shadow help COMMAND` explains a command's options.
-Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong,
-130 interrupted (Ctrl-C, or told to end); no half-written file stays behind, whatever the code.";
 
 /// Checkable shadow mapping: the same shadows from two independent renderers
 ///
@@ -121,6 +111,18 @@ pub(crate) enum Command {
     /// origin, which is given too; they are lists of rows and multiply column vectors.
     #[command(after_help = PLAN_EXAMPLES)]
     Plan(PlanArgs),
+    /// Measure techniques against the truth, and say why pixels are wrong
+    ///
+    /// Renders the scene with one or more techniques and traces what its shadows should be. Every pixel whose visibility is not the truth is
+    /// counted under one cause.
+    #[command(after_long_help = MEASURE_HELP)]
+    Measure(MeasureArgs),
+    /// Print the default settings file, with comments
+    ///
+    /// Prints all that a settings file can say, in TOML. Change what is to differ, leave out the rest, and give the file to
+    /// `shadow measure --settings`.
+    #[command(after_help = SETTINGS_EXAMPLES)]
+    Settings,
     /// List the graphics adapters that the GPU backend can use
     Devices(DevicesArgs),
     /// Print what a shell needs to complete commands and options
@@ -134,117 +136,8 @@ pub(crate) enum Command {
 }
 
 /// The names of the commands.
-pub(crate) const COMMANDS: [&str; 8] = ["render", "compare", "bench", "info", "plan", "devices", "completions", "man"];
-
-/// Examples for `shadow render`.
-const RENDER_EXAMPLES: &str = "\
-Examples:
-  shadow render house.glb --output house.png
-  shadow render house.glb --backend gpu --adapter llvmpipe --size 1920x1080
-  shadow render house.glb --camera 'eye=4,2,6;target=0,1,0;fov=50' --exposure 13
-  shadow render house.glb --light 'directional:dir=-1,-2,-1;lux=20000'
-  shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
-  shadow render builtin:fence --filter hard --bias none --show shadow-map
-  shadow render house.glb --show depth --output depth.exr
-  shadow render house.glb --backend trace --light 'directional:dir=-1,-2,-1;lux=20000;diameter=3'
-  shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
-  shadow render house.glb --json | jq .milliseconds";
-
-/// Examples for `shadow compare`.
-const COMPARE_EXAMPLES: &str = "\
-Examples:
-  shadow compare
-  shadow compare house.glb --size 640x360 --map-size 1024
-  shadow compare house.glb --light 'point:pos=0,2,0;cd=500' --output differences
-  shadow compare house.glb --json | jq '.layers[] | select(.within_contract | not)'";
-
-/// What to look at in the report of `shadow bench`, and examples.
-const BENCH_HELP: &str = "\
-What to look at:
-  The backends draw in turn (cpu, gpu, cpu, gpu, ...), after a first frame of
-  each and a round that are not counted, so that whatever disturbs the machine
-  disturbs both.
-
-  median      what a frame takes on this machine as it is now; compare medians
-  quartiles   half of the frames lie between them. Where they are far apart the
-              machine was busy: close other programs, or take more --frames
-  fastest     what the machine can do when nothing disturbs it
-  ratio       of the times of the same round, so that it holds still where
-              the times do not; above 1 the second backend is the slower one
-  once        opening (threads, or the adapter and its shaders), preparing the
-              scene, and the first frame, in which drivers compile for the
-              machine: paid once, and not part of a frame
-  memory      the most physical memory that the process held at once beyond
-              what it held before the backend was opened, until its first
-              frame was drawn: the scene in the backend's own form, the maps
-              and the frame, threads, driver and compiled shaders. A software
-              adapter's memory is counted, that of a graphics card is not.
-              Linux tells; elsewhere it is left out
-
-  rays        the trace backend sends a ray through every pixel (camera) and one
-              to each light from each surface that faces it (shading); millions
-              of them a second, by the medians
-
-  A software adapter (llvmpipe, SwiftShader) runs on the same cores as the cpu
-  backend: the ratio then compares two programs, and no graphics card.
-
-Examples:
-  shadow bench
-  shadow bench house.glb --size 1920x1080 --frames 50
-  shadow bench house.glb --backends cpu --threads 1
-  shadow bench house.glb --backends trace
-  shadow bench house.glb --json | jq .ratios.total";
-
-/// Examples for `shadow info`.
-const INFO_EXAMPLES: &str = "\
-Examples:
-  shadow info house.glb
-  shadow info fox.glb --animation Run --time 0.5
-  shadow info house.glb --json | jq '.materials, .units_guess'";
-
-/// Examples for `shadow plan`.
-const PLAN_EXAMPLES: &str = "\
-Examples:
-  shadow plan house.glb --map-size 4096
-  shadow plan house.glb --json | jq -r .camera.spec      # to copy, vary and give to --camera
-  shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
-
-/// Examples for `shadow completions`.
-const COMPLETIONS_EXAMPLES: &str = "\
-Examples:
-  shadow completions bash > ~/.local/share/bash-completion/completions/shadow
-  shadow completions zsh > ~/.zfunc/_shadow          # a folder in fpath
-  shadow completions fish > ~/.config/fish/completions/shadow.fish
-  shadow completions powershell >> $PROFILE";
-
-/// Examples for `shadow man`.
-const MAN_EXAMPLES: &str = "\
-Examples:
-  shadow man > ~/.local/share/man/man1/shadow.1
-  shadow man render > ~/.local/share/man/man1/shadow-render.1
-  shadow man bench | man -l -";
-
-/// What `--show` takes, in a line.
-const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
-
-/// What `--show` takes and what its pictures mean. Both texts have brackets that a doc comment would take for links.
-const SHOW_LONG_HELP: &str = "\
-What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
-
-  color                the picture, in sRGB
-  visibility[:LIGHT]   how much of a light reaches each pixel:
-                       black is shadowed, white is lit
-  depth                the distance of each pixel from the camera:
-                       white is the nearest that occurs, dark grey
-                       the farthest, black the background
-  shadow-map[:LIGHT[:VIEW]]
-                       the same as the light sees it: black is a
-                       texel without a caster
-
-LIGHT is a light's number from 0 or its name, VIEW the number of one
-of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
-left out. The greys of distances are logarithmic for perspective views
-and linear for parallel rays.";
+pub(crate) const COMMANDS: [&str; 10] =
+    ["render", "compare", "bench", "info", "plan", "measure", "settings", "devices", "completions", "man"];
 
 /// Which scene: the choices that all commands on scenes share.
 #[derive(Debug, ClapArgs)]
@@ -508,6 +401,59 @@ pub(crate) struct PlanArgs {
     /// --camera takes, null where there is no such description) and `lights`. Each light has its `fit`, `split`,
     /// `store`, `bias` and `filter`, and `views` with `clip_from_world` (a list of rows), `depth_range` and `texel_metres` in metres (the
     /// latter at 1 m from the light for a perspective view), and the bounds on `rounding` in texels and in depth.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow measure`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct MeasureArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// A settings file: a technique to measure; can be given several times [default: the technique that the options below say]
+    ///
+    /// `shadow settings` prints one. The name of a technique is the file's, unless the file has another.
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["map_size", "filter", "bias", "bias_constant"],
+        help_heading = "Shadows"
+    )]
+    pub(crate) settings: Vec<PathBuf>,
+
+    /// What renders
+    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
+    pub(crate) backend: Backend,
+
+    /// Rays to each light that has a size: a square number from 1 to 4096 [default: 64]
+    ///
+    /// They are spread over the light, one in each cell of a square grid. A light without a size takes a single ray.
+    #[arg(long, value_name = "N", value_parser = light_samples, help_heading = "Backend")]
+    pub(crate) light_samples: Option<Sampling>,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// Frames of each technique that are timed, from 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) frames: u32,
+
+    /// A folder for a page to read: index.html, with pictures, heat maps and error against cost
+    ///
+    /// The page holds everything it shows, so that it can be moved and sent. The folder is made if it is not there.
+    #[arg(long, value_name = "FOLDER", help_heading = "Picture")]
+    pub(crate) report: Option<PathBuf>,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `backend`, `adapter` (null for the CPU), `light_samples`, `report` (null without one) and
+    /// `techniques`. Each of these has its `settings` (as a settings file has them, with the `name`), `pixels` (judged: those that show something a light can reach, once for
+    /// each light), `wrong`, `causes` (pixels by cause), `at_terminator` (pixels whose two normals disagree about facing the light, wrong or not), `rmse`,
+    /// `milliseconds` (medians: `shadow_maps`, `camera`, `shading`, `total`), `map_bytes`, `stability` (`move`, `turn`, `zoom`, `light`: shares that change for no
+    /// reason) and `lights` (for each its `name`, `pixels`, `wrong`, `causes`, `at_terminator` and `rmse`).
     #[arg(long)]
     pub(crate) json: bool,
 }

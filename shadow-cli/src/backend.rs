@@ -198,7 +198,7 @@ impl<'a> OpenBackend<'a> {
     }
 
     /// Renders the layers that are asked for and brings them into memory.
-    fn render(&self, plan: &FramePlan, request: Request, console: &Console) -> Result<(Frame, StageTimes), CliError> {
+    pub(crate) fn render(&self, plan: &FramePlan, request: Request, console: &Console) -> Result<(Frame, StageTimes), CliError> {
         match self {
             Self::Cpu { renderer, prepared } => {
                 let rendered = renderer.render(prepared, plan, request)?;

@@ -5,6 +5,8 @@ mod compare;
 mod bench;
 mod info;
 mod plan;
+mod measure;
+mod settings;
 mod devices;
 mod completions;
 mod man;
@@ -31,6 +33,8 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Bench(args) => bench::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Measure(args) => measure::run(&args),
+        Command::Settings => settings::run(),
         Command::Devices(args) => devices::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

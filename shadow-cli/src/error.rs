@@ -2,12 +2,12 @@
 
 use std::{error::Error, io, path::PathBuf};
 
-use shadow_cpu::CpuError;
+use shadow_cpu::{CpuError, measure::JudgeError};
 use shadow_gpu::GpuError;
 use shadow_math::{CameraError, LightError};
 use shadow_scene::{FramePlanError, ImportError, LayerName, compare::CompareError};
 
-use crate::{memory::Limit, specs::bytes_text};
+use crate::{memory::Limit, settings_file::SettingsError, specs::bytes_text};
 
 /// Why the program cannot do what was asked for. Each message names the value, the limit and the way out.
 #[derive(Debug, thiserror::Error)]
@@ -115,6 +115,39 @@ pub(crate) enum CliError {
         /// What to do about the largest.
         way_out: &'static str,
     },
+    /// A settings file cannot be read.
+    #[error("cannot read the settings `{}`", path.display())]
+    ReadSettings {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A settings file is wrong.
+    #[error("`{}`", path.display())]
+    Settings {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: SettingsError,
+    },
+    /// A technique cannot be planned for the scene.
+    #[error("the settings `{name}`")]
+    Technique {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        source: FramePlanError,
+    },
+    /// Two techniques of the same name.
+    #[error("two settings are called `{0}`; give one of them another name")]
+    TechniqueName(String),
+    /// The tracer has nothing to measure.
+    #[error("the trace backend is the truth that others are measured by; take --backend cpu or gpu")]
+    MeasureTrace,
+    /// A frame cannot be judged: a defect of the renderer.
+    #[error("the frame cannot be judged; this is a defect, please report it")]
+    Judge(#[from] JudgeError),
     /// The CPU renderer.
     #[error(transparent)]
     Cpu(#[from] CpuError),

@@ -83,6 +83,8 @@ pub(crate) enum Work<'a> {
     Render(Backend, LayerName, Format),
     /// One backend after the other renders all layers, and they are compared.
     Compare([Backend; 2]),
+    /// One backend renders, beside the tracer; all layers are given back and judged.
+    Measure(Backend),
     /// All backends stay ready, and none gives anything back.
     Bench(&'a [Backend]),
 }
@@ -231,6 +233,12 @@ impl Amounts {
                 let judged =
                     Demand { maps: self.map_texels * COMPARED_TEXEL, frame: self.pixels * COMPARED_PIXEL, ..Demand::default() };
                 layers.plus(layers).plus(working.max(judged))
+            }
+            Work::Measure(backend) => {
+                let rendered = self.working(backend, Request::ALL).plus(self.layers(Request::ALL));
+                // The maps of one moment stay while those of another are drawn; of every pixel stay its truth, causes and errors.
+                let kept = Demand { maps: self.maps(), frame: self.pixels * COMPARED_PIXEL, ..Demand::default() };
+                rendered.plus(self.working(Backend::Trace, Request::ALL)).plus(kept)
             }
             Work::Bench(backends) => {
                 let working = backends.iter().map(|&backend| self.working(backend, Request::default()));

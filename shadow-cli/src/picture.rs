@@ -39,6 +39,11 @@ impl Picture {
         PngEncoder::new(file).write_image(bytes, self.width, self.height, color).map_err(io::Error::other)
     }
 
+    /// A picture of these colours, sRGB, rows from the top: as many as its size says.
+    pub(crate) fn of_pixels(width: u32, height: u32, pixels: Vec<[u8; 3]>) -> Self {
+        Self { width, height, samples: Samples::Rgb(pixels) }
+    }
+
     fn grey(layer: &Layer, bytes: impl Iterator<Item = u8>) -> Self {
         Self { width: layer.width, height: layer.height, samples: Samples::Grey(bytes.collect()) }
     }
@@ -91,7 +96,7 @@ pub(crate) fn difference(first: &Layer, second: &Layer) -> Picture {
 }
 
 /// A linear colour as sRGB.
-fn encode_color(color: [f32; 4]) -> [u8; 3] {
+pub(crate) fn encode_color(color: [f32; 4]) -> [u8; 3] {
     let [red, green, blue, _] = encode_pixel(Vec4::from_array(color));
     [red, green, blue]
 }

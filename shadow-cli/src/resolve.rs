@@ -11,11 +11,10 @@ use crate::{
     console::Console,
     error::CliError,
     memory::Limit,
+    settings_file::DEFAULT_CONSTANT_METRES,
     specs::{CameraChoice, SceneSource, Selector, Show},
 };
 
-/// The constant bias in metres if none is given: a centimetre.
-const DEFAULT_CONSTANT_METRES: f32 = 0.01;
 /// The faces of a cube, in the order of its views.
 const CUBE_FACE_NAMES: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
 

@@ -176,6 +176,87 @@ fn bench_times_every_stage_of_both_backends() {
 }
 
 #[test]
+fn bench_counts_the_rays_of_the_tracer() {
+    let folder = Folder::new("bench-rays");
+    let sizes = ["--size", "64x36", "--frames", "2", "--json"];
+    let report = folder.json(&[&["bench", "--backends", "trace"], &sizes[..]].concat());
+    let backend = &report["backends"][0];
+    for kind in ["camera", "shadow"] {
+        assert!(backend["million_rays_per_second"][kind].as_f64().is_some_and(|rate| rate > 0.0), "{backend}");
+    }
+    assert_eq!((&backend["adapter"], backend["threads"].as_u64().is_some()), (&Value::Null, true));
+}
+
+/// Techniques side by side, from files: what was planted in each is found, and the page holds all of it.
+#[test]
+fn measure_tells_techniques_apart() {
+    let folder = Folder::new("measure");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("the folder can be written to");
+    write("without.toml", "bias = \"none\"\nmap-size = 256\n");
+    write("with.toml", "name = \"a <b> & c\"\nmap-size = 256\n");
+    let sizes = ["--size", "160x90", "--frames", "1"];
+    for backend in ["cpu", "gpu"] {
+        let files = [
+            "measure",
+            "--settings",
+            "without.toml",
+            "--settings",
+            "with.toml",
+            "--backend",
+            backend,
+            "--report",
+            "page",
+            "--json",
+        ];
+        let report = folder.json(&[&files, &sizes[..]].concat());
+        let techniques = report["techniques"].as_array().expect("there are techniques");
+        assert_eq!(techniques.len(), 2);
+        let acne = |index: usize| techniques[index]["causes"]["acne"].as_u64().expect("acne is counted");
+        assert!(acne(0) > 1000 && acne(1) == 0, "{backend}: {} and {}", acne(0), acne(1));
+        assert_eq!(techniques[1]["settings"]["bias"], "automatic");
+        for technique in techniques {
+            let causes = technique["causes"].as_object().expect("causes have names");
+            assert_eq!(causes.len(), 8);
+            let sum: u64 = causes.values().filter_map(Value::as_u64).sum();
+            assert_eq!(technique["wrong"].as_u64(), Some(sum));
+            assert!(technique["rmse"].as_f64().is_some_and(|rmse| rmse > 0.0 && rmse < 1.0));
+            assert!(technique["milliseconds"]["total"].as_f64().is_some_and(|time| time > 0.0));
+            assert_eq!(technique["map_bytes"], 2 * 256 * 256 * 4);
+            assert_eq!(technique["lights"].as_array().map(Vec::len), Some(2));
+            // The uniform fit does not look at the camera, so that nothing changes while it moves.
+            for motion in ["move", "turn", "zoom"] {
+                assert_eq!(technique["stability"][motion], 0.0, "{motion}");
+            }
+        }
+        let page = std::fs::read_to_string(folder.path().join("page/index.html")).expect("the page is there");
+        assert!(page.contains("a &lt;b&gt; &amp; c") && !page.contains("a <b>"), "names are text, not markup");
+        assert!(page.matches("data:image/png;base64,").count() >= 8 && page.ends_with("</html>\n"));
+        assert!(!page.contains("http"), "the page asks for nothing from elsewhere");
+    }
+    let text = String::from_utf8_lossy(&folder.run(&[&["measure", "--map-size", "64"], &sizes[..]].concat()).stdout).into_owned();
+    assert!(text.contains("command line") && text.contains("peter panning") && text.contains("terminator"), "{text}");
+}
+
+#[test]
+fn settings_files_are_printed_and_refused_by_line() {
+    let folder = Folder::new("settings");
+    let printed = folder.run(&["settings"]).stdout;
+    std::fs::write(folder.path().join("default.toml"), &printed).expect("the folder can be written to");
+    let sizes = ["--size", "32x18", "--frames", "1"];
+    let report = folder.json(&[&["measure", "--settings", "default.toml", "--json"], &sizes[..]].concat());
+    assert_eq!(report["techniques"][0]["settings"]["map-size"], 2048);
+    let faulty = String::from_utf8_lossy(&printed).replace("bilinear\"\n", "soft\"\n");
+    std::fs::write(folder.path().join("faulty.toml"), &faulty).expect("the folder can be written to");
+    let line = faulty.lines().position(|line| line.starts_with("filter")).expect("there is a filter") + 1;
+    let sentence = folder.refusal(&["measure", "--settings", "faulty.toml"]);
+    for part in [format!("line {line}"), "faulty.toml".into(), "soft".into(), "bilinear".into(), "hard".into()] {
+        assert!(sentence.contains(&part), "`{part}` in: {sentence}");
+    }
+    let twice = folder.refusal(&["measure", "--settings", "default.toml", "--settings", "default.toml"]);
+    assert!(twice.contains("default"), "{twice}");
+}
+
+#[test]
 fn the_plan_names_its_matrices_and_lengths() {
     let folder = Folder::new("plan");
     let light = "point:pos=0,3,0;cd=100;range=20";
@@ -240,6 +321,14 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["render", "--camera", "9"], &["9", "camera"]),
         (&["render", "--exposure", "nan"], &["nan"]),
         (&["render", "--show", "visibility:7"], &["7", "2 lights"]),
+        (&["render", "--light-samples", "64"], &["--light-samples", "trace"]),
+        (&["render", "--backend", "trace", "--show", "shadow-map"], &["shadow maps", "cpu", "gpu"]),
+        (&["render", "--light", "point:pos=0,1,0;cd=1;radius=0"], &["radius", "positive"]),
+        (&["render", "--light", "directional:dir=0,-1,0;lux=1;diameter=180"], &["180", "between"]),
+        (&["compare", "--backends", "cpu,trace"], &["measure"]),
+        (&["measure", "--backend", "trace"], &["truth", "cpu"]),
+        (&["measure", "--settings", "missing.toml"], &["missing.toml"]),
+        (&["measure", "--settings", "missing.toml", "--bias", "none"], &["--settings", "--bias"]),
         (&["render", "--output", "picture.bmp"], &["bmp", ".png", ".exr"]),
         (&["man", "draw"], &["draw", "render", "compare"]),
         (&["completions", "tcsh"], &["tcsh", "bash", "zsh"]),
@@ -262,7 +351,7 @@ fn wrong_requests_are_refused_with_a_sentence() {
 #[test]
 fn help_teaches() {
     let folder = Folder::new("help");
-    for command in ["render", "compare", "bench", "plan"] {
+    for command in ["render", "compare", "bench", "plan", "measure"] {
         let output = folder.run(&[command, "--help"]);
         let help = String::from_utf8_lossy(&output.stdout);
         for part in ["Examples:", "--light", "--camera", "--map-size", "--bias", "lux", "cd"] {

@@ -1,0 +1,166 @@
+//! The longer texts of the program's help: examples, and what reports and pictures mean.
+
+/// Examples for the program as a whole.
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  shadow                                        draw the built-in demo scene to shadow.png
+  shadow render house.glb --size 1920x1080      draw a scene with its own camera and lights
+  shadow render house.glb --show shadow-map:0   look at the shadow map of the first light
+  shadow compare house.glb                      do the CPU and the GPU renderer agree?
+  shadow bench house.glb                        how long does each of them take?
+  shadow info house.glb                         what is in the file?
+  shadow plan house.glb --json                  every matrix, texel size and bias
+  shadow measure house.glb --report report      how wrong are its shadows, and why?
+  shadow devices                                which graphics adapters there are
+
+`shadow help COMMAND` explains a command's options.
+Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong,
+130 interrupted (Ctrl-C, or told to end); no half-written file stays behind, whatever the code.";
+
+/// Examples for `shadow render`.
+pub(super) const RENDER_EXAMPLES: &str = "\
+Examples:
+  shadow render house.glb --output house.png
+  shadow render house.glb --backend gpu --adapter llvmpipe --size 1920x1080
+  shadow render house.glb --camera 'eye=4,2,6;target=0,1,0;fov=50' --exposure 13
+  shadow render house.glb --light 'directional:dir=-1,-2,-1;lux=20000'
+  shadow render house.glb --light 'spot:pos=2,3,1;dir=0,-1,0;inner=20;outer=30;cd=800' --show visibility
+  shadow render builtin:fence --filter hard --bias none --show shadow-map
+  shadow render house.glb --show depth --output depth.exr
+  shadow render house.glb --backend trace --light 'directional:dir=-1,-2,-1;lux=20000;diameter=3'
+  shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
+  shadow render house.glb --json | jq .milliseconds";
+
+/// Examples for `shadow compare`.
+pub(super) const COMPARE_EXAMPLES: &str = "\
+Examples:
+  shadow compare
+  shadow compare house.glb --size 640x360 --map-size 1024
+  shadow compare house.glb --light 'point:pos=0,2,0;cd=500' --output differences
+  shadow compare house.glb --json | jq '.layers[] | select(.within_contract | not)'";
+
+/// What to look at in the report of `shadow bench`, and examples.
+pub(super) const BENCH_HELP: &str = "\
+What to look at:
+  The backends draw in turn (cpu, gpu, cpu, gpu, ...), after a first frame of
+  each and a round that are not counted, so that whatever disturbs the machine
+  disturbs both.
+
+  median      what a frame takes on this machine as it is now; compare medians
+  quartiles   half of the frames lie between them. Where they are far apart the
+              machine was busy: close other programs, or take more --frames
+  fastest     what the machine can do when nothing disturbs it
+  ratio       of the times of the same round, so that it holds still where
+              the times do not; above 1 the second backend is the slower one
+  once        opening (threads, or the adapter and its shaders), preparing the
+              scene, and the first frame, in which drivers compile for the
+              machine: paid once, and not part of a frame
+  memory      the most physical memory that the process held at once beyond
+              what it held before the backend was opened, until its first
+              frame was drawn: the scene in the backend's own form, the maps
+              and the frame, threads, driver and compiled shaders. A software
+              adapter's memory is counted, that of a graphics card is not.
+              Linux tells; elsewhere it is left out
+
+  rays        the trace backend sends a ray through every pixel (camera) and one
+              to each light from each surface that faces it (shading); millions
+              of them a second, by the medians
+
+  A software adapter (llvmpipe, SwiftShader) runs on the same cores as the cpu
+  backend: the ratio then compares two programs, and no graphics card.
+
+Examples:
+  shadow bench
+  shadow bench house.glb --size 1920x1080 --frames 50
+  shadow bench house.glb --backends cpu --threads 1
+  shadow bench house.glb --backends trace
+  shadow bench house.glb --json | jq .ratios.total";
+
+/// Examples for `shadow info`.
+pub(super) const INFO_EXAMPLES: &str = "\
+Examples:
+  shadow info house.glb
+  shadow info fox.glb --animation Run --time 0.5
+  shadow info house.glb --json | jq '.materials, .units_guess'";
+
+/// Examples for `shadow plan`.
+pub(super) const PLAN_EXAMPLES: &str = "\
+Examples:
+  shadow plan house.glb --map-size 4096
+  shadow plan house.glb --json | jq -r .camera.spec      # to copy, vary and give to --camera
+  shadow plan house.glb --json | jq '.lights[0].views[0].texel_metres'";
+
+/// What the causes of `shadow measure` are, and examples.
+pub(super) const MEASURE_HELP: &str = "\
+Why a pixel is wrong (its visibility is not exactly that of the light's
+centre), the first of these that applies:
+
+  coverage       renderer and rays see different triangles there
+  terminator     the shading normal and the geometric one disagree about
+                 facing the light
+  seam           a tap leaves its cube face, or the map
+  filter         the true outline runs between the taps, which are mixed
+  aliasing       the true outline runs between the taps, and the lookup is on
+                 the wrong side of it
+  acne           the pixel and all taps see the light: the surface shadows
+                 itself
+  peter_panning  the pixel and all taps are in shadow, whose caster is nearer
+                 than the bias
+  leak           the same, and its caster is farther than the bias
+
+A tap is judged by rays from the receiver's plane, where the light's ray
+through the middle of its texel meets it.
+
+rmse is the root of the mean squared error of visibility against the light's
+whole size (see --light). Stability is the share of points of the surfaces
+whose visibility changes for no reason while the camera moves by a third of a
+texel, turns by 0.1 degrees or zooms by 1 %, or the light moves a little.
+
+Examples:
+  shadow measure house.glb
+  shadow settings > soft.toml                        # and change what is in it
+  shadow measure house.glb --settings hard.toml --settings soft.toml --report report
+  shadow measure house.glb --bias constant --json | jq '.techniques[].causes'";
+
+/// Examples for `shadow settings`.
+pub(super) const SETTINGS_EXAMPLES: &str = "\
+Examples:
+  shadow settings > mine.toml
+  shadow measure house.glb --settings mine.toml";
+
+/// Examples for `shadow completions`.
+pub(super) const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  shadow completions bash > ~/.local/share/bash-completion/completions/shadow
+  shadow completions zsh > ~/.zfunc/_shadow          # a folder in fpath
+  shadow completions fish > ~/.config/fish/completions/shadow.fish
+  shadow completions powershell >> $PROFILE";
+
+/// Examples for `shadow man`.
+pub(super) const MAN_EXAMPLES: &str = "\
+Examples:
+  shadow man > ~/.local/share/man/man1/shadow.1
+  shadow man render > ~/.local/share/man/man1/shadow-render.1
+  shadow man bench | man -l -";
+
+/// What `--show` takes, in a line.
+pub(super) const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
+
+/// What `--show` takes and what its pictures mean. Both texts have brackets that a doc comment would take for links.
+pub(super) const SHOW_LONG_HELP: &str = "\
+What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
+
+  color                the picture, in sRGB
+  visibility[:LIGHT]   how much of a light reaches each pixel:
+                       black is shadowed, white is lit
+  depth                the distance of each pixel from the camera:
+                       white is the nearest that occurs, dark grey
+                       the farthest, black the background
+  shadow-map[:LIGHT[:VIEW]]
+                       the same as the light sees it: black is a
+                       texel without a caster
+
+LIGHT is a light's number from 0 or its name, VIEW the number of one
+of its views (a point light has six: +x -x +y -y +z -z); both are 0 if
+left out. The greys of distances are logarithmic for perspective views
+and linear for parallel rays.";

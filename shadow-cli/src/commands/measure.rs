@@ -1,0 +1,307 @@
+//! `shadow measure`: techniques against the truth.
+
+mod motion;
+mod page;
+mod plot;
+
+use serde::{Serialize, Serializer, ser::SerializeMap};
+use shadow_cpu::{
+    CpuRenderer, RasterRules,
+    measure::{Cause, Counts, Judge, Judgement},
+    renderer::CameraBuffer,
+    trace::{CameraView, Tracer},
+};
+use shadow_scene::{Frame, FramePlan, Request, StageTimes};
+
+use self::motion::{Motions, StabilityReport};
+use super::Verdict;
+use crate::{
+    args::{Backend, MeasureArgs},
+    backend::{OpenBackend, check_machine},
+    console::{Console, print, print_json, table},
+    error::CliError,
+    memory::{self, Work},
+    output::{make_folder, write_text},
+    resolve::Job,
+    settings_file::{NamedSettings, SettingsReport, read},
+    statistics::Spread,
+};
+
+/// The layers of a frame that is judged and shown.
+const SHOWN: Request = Request { camera: true, shadow_maps: false, visibility: true, color: true };
+/// One MiB in bytes.
+const MIB: f64 = (1 << 20) as f64;
+
+/// The report for programs.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    notes: &'a [String],
+    triangles: usize,
+    width: u32,
+    height: u32,
+    backend: &'static str,
+    /// The adapter's name; null for the CPU.
+    adapter: Option<String>,
+    /// Rays to each light that has a size.
+    light_samples: u32,
+    techniques: Vec<TechniqueReport>,
+    /// The page, if one was written.
+    report: Option<String>,
+}
+
+/// How wrong a technique is.
+#[derive(Debug, Serialize)]
+struct TechniqueReport {
+    settings: SettingsReport,
+    #[serde(flatten)]
+    counts: CountsReport,
+    milliseconds: Milliseconds,
+    /// Bytes of all maps.
+    map_bytes: u64,
+    stability: StabilityReport,
+    lights: Vec<LightReport>,
+}
+
+/// How wrong the visibility of a light is.
+#[derive(Debug, Serialize)]
+struct LightReport {
+    name: String,
+    #[serde(flatten)]
+    counts: CountsReport,
+}
+
+/// How many pixels are wrong, and why.
+#[derive(Debug, Serialize)]
+struct CountsReport {
+    pixels: u64,
+    wrong: u64,
+    causes: Causes,
+    at_terminator: u64,
+    rmse: f64,
+}
+
+/// Pixels by cause, by the causes' names.
+#[derive(Clone, Copy, Debug)]
+struct Causes(Counts);
+
+impl Serialize for Causes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(Cause::ALL.len()))?;
+        for cause in Cause::ALL {
+            map.serialize_entry(cause.name(), &self.0.count(cause))?;
+        }
+        map.end()
+    }
+}
+
+impl From<Counts> for CountsReport {
+    fn from(counts: Counts) -> Self {
+        Self {
+            pixels: counts.judged,
+            wrong: counts.wrong(),
+            causes: Causes(counts),
+            at_terminator: counts.at_terminator,
+            rmse: counts.rmse(),
+        }
+    }
+}
+
+/// The medians over the frames.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Milliseconds {
+    shadow_maps: f64,
+    camera: f64,
+    shading: f64,
+    total: f64,
+}
+
+impl Milliseconds {
+    fn of(frames: &[StageTimes]) -> Self {
+        let median = |stage: fn(&StageTimes) -> f64| Spread::of(frames.iter().map(stage).collect()).median;
+        Self {
+            shadow_maps: median(|times| times.shadow_maps),
+            camera: median(|times| times.camera),
+            shading: median(|times| times.shading),
+            total: median(StageTimes::frame),
+        }
+    }
+}
+
+/// What a technique made of the picture.
+struct Shown {
+    frame: Frame,
+    judgement: Judgement,
+}
+
+/// Measures and reports.
+pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
+    let console = Console::new(args.json);
+    if args.backend == Backend::Trace {
+        return Err(CliError::MeasureTrace);
+    }
+    check_machine(&args.machine, &[args.backend], &console)?;
+    let from_files = args.settings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut job = Job { light_samples: args.light_samples, ..Job::resolve(&args.picture, &console)? };
+    let techniques = techniques(&job, from_files)?;
+    let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
+    for plan in &plans {
+        job.plan = plan.clone();
+        memory::check(&job, Work::Measure(args.backend))?;
+    }
+    if let Some(folder) = &args.report {
+        make_folder(folder)?;
+    }
+    let job = job;
+
+    console.stage("building the tracer's tree");
+    let tracer = Tracer::new(&job.scene, args.machine.threads as usize)?;
+    let camera = &job.plan.camera;
+    let view = CameraView::new(&job.camera, camera.width, camera.height);
+    let (backend, _) = OpenBackend::open(args.backend, &job, &args.machine, RasterRules::default(), &console)?;
+    let steps_each = u64::from(args.frames) + u64::from(WARM_UP) + 1 + Motions::COUNT as u64;
+    console.bar(3 * u64::from(camera.height) + steps_each * techniques.len() as u64);
+    console.stage("tracing the truth");
+    let judge = Judge::new(&tracer, view, job.light_samples.unwrap_or_default(), &|| console.step());
+
+    let motions = Motions::new(&job, &judge, &tracer);
+    let mut reports = Vec::with_capacity(techniques.len());
+    let mut shown = Vec::with_capacity(techniques.len());
+    for (technique, plan) in techniques.iter().zip(&plans) {
+        console.stage(format!("measuring {}", technique.name));
+        let mut times = Vec::with_capacity(args.frames as usize);
+        for frame in 0..WARM_UP + args.frames {
+            let drawn = backend.draw(plan)?;
+            if frame >= WARM_UP {
+                times.push(drawn);
+            }
+            console.step();
+        }
+        let (frame, _) = backend.render(plan, SHOWN, &console)?;
+        let judgement = judge.judge(plan, &frame)?;
+        console.step();
+        let stability = motions.stability(&backend, technique, plan, args.picture.exposure, &console)?;
+        let lights = job.scene.lights().iter().zip(&judgement.lights);
+        reports.push(TechniqueReport {
+            settings: technique.into(),
+            counts: judgement.total().into(),
+            milliseconds: Milliseconds::of(&times),
+            map_bytes: map_bytes(plan),
+            stability,
+            lights: lights
+                .map(|(light, judged)| LightReport { name: light.name.clone(), counts: judged.counts.into() })
+                .collect(),
+        });
+        shown.push(Shown { frame, judgement });
+    }
+
+    let mut report = Report {
+        scene: &job.scene_name,
+        notes: &job.notes,
+        triangles: job.scene.triangles().len(),
+        width: camera.width,
+        height: camera.height,
+        backend: args.backend.name(),
+        adapter: backend.adapter().map(|adapter| adapter.name.clone()),
+        light_samples: judge.lights().sampling.count(),
+        techniques: reports,
+        report: None,
+    };
+    if let Some(folder) = &args.report {
+        console.stage("writing the page");
+        let truth = true_color(&job, &judge, args.machine.threads as usize)?;
+        let path = folder.join("index.html");
+        report.report = Some(path.display().to_string());
+        write_text(&path, &page::html(&report, &shown, &truth)?)?;
+    }
+    console.finish();
+    if args.json { print_json(&report) } else { print(&text(&report)) }?;
+    Ok(Verdict::Done)
+}
+
+/// Frames of each technique that are drawn and not counted.
+const WARM_UP: u32 = 1;
+
+/// The techniques of the files or, without any, that of the command line.
+fn techniques(job: &Job, from_files: Vec<NamedSettings>) -> Result<Vec<NamedSettings>, CliError> {
+    if from_files.is_empty() {
+        return Ok(vec![NamedSettings { name: "command line".into(), settings: job.settings }]);
+    }
+    let mut names: Vec<&str> = Vec::new();
+    for NamedSettings { name, .. } in &from_files {
+        if names.contains(&name.as_str()) {
+            return Err(CliError::TechniqueName(name.clone()));
+        }
+        names.push(name);
+    }
+    Ok(from_files)
+}
+
+fn plan(job: &Job, technique: &NamedSettings, args: &MeasureArgs) -> Result<FramePlan, CliError> {
+    let size = args.picture.size;
+    FramePlan::new(&job.scene, &job.camera, &technique.settings, size.width, size.height, args.picture.exposure)
+        .map_err(|source| CliError::Technique { name: technique.name.clone(), source })
+}
+
+/// Bytes of all maps of a plan: 32-bit floats.
+fn map_bytes(plan: &FramePlan) -> u64 {
+    plan.views.len() as u64 * u64::from(plan.map_size).pow(2) * size_of::<f32>() as u64
+}
+
+/// The colours that the picture would have with true visibilities.
+fn true_color(job: &Job, judge: &Judge<'_>, threads: usize) -> Result<Vec<[f32; 4]>, CliError> {
+    let shader = CpuRenderer::new(threads, RasterRules::default())?;
+    let camera = CameraBuffer { triangles: judge.seen().triangles().into(), ..CameraBuffer::default() };
+    let visibility = judge.lights().visibility();
+    Ok(shader.color(&shader.prepare(&job.scene), &job.plan, &camera, &visibility).into_vec())
+}
+
+/// The report for people.
+fn text(report: &Report<'_>) -> String {
+    let mut heading = vec!["technique".to_string(), "settings".into(), "wrong".into()];
+    heading.extend(Cause::ALL.iter().rev().map(|cause| cause.name().replace('_', " ")));
+    heading.extend(["rmse", "unstable", "maps", "frame", "memory"].map(String::from));
+    let mut rows = vec![heading];
+    for technique in &report.techniques {
+        let CountsReport { pixels, wrong, causes, rmse, .. } = &technique.counts;
+        let mut row = vec![technique.settings.name().into(), technique.settings.summary(), percent(*wrong, *pixels)];
+        row.extend(Cause::ALL.iter().rev().map(|&cause| causes.0.count(cause).to_string()));
+        row.push(format!("{rmse:.4}"));
+        row.push(share(technique.stability.worst_of_camera()));
+        row.push(format!("{:.1} ms", technique.milliseconds.shadow_maps));
+        row.push(format!("{:.1} ms", technique.milliseconds.total));
+        row.push(format!("{:.0} MiB", technique.map_bytes as f64 / MIB));
+        rows.push(row);
+    }
+    let mut text = table(&rows, |column| column < 2);
+    let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({adapter})"));
+    if let Some(first) = report.techniques.first() {
+        text.push_str(&format!(
+            "{}: {} pixels that a light can reach, counted once for each of {} lights; {} of them lie where smooth normals and flat faces disagree about \
+             facing the light (the terminator)\n",
+            report.scene,
+            first.counts.pixels,
+            first.lights.len(),
+            first.counts.at_terminator,
+        ));
+    }
+    text.push_str(&format!("measured on {}{adapter}, {} x {} pixels\n", report.backend, report.width, report.height));
+    if let Some(page) = &report.report {
+        text.push_str(&format!("wrote {page}\n"));
+    }
+    text
+}
+
+/// A share from 0 to 1 in two digits.
+fn share(share: f64) -> String {
+    if share == 0.0 { "0".into() } else { format!("{share:.1e}") }
+}
+
+/// A share in percent, with as many digits as it takes to tell it from nothing.
+fn percent(part: u64, whole: u64) -> String {
+    if part == 0 {
+        return "0 %".into();
+    }
+    let share = 100.0 * part as f64 / whole.max(1) as f64;
+    if share < 0.01 { format!("{share:.0e} %") } else { format!("{share:.2} %") }
+}
