@@ -8,6 +8,7 @@ mod comparator;
 mod analytic;
 mod truth;
 mod judge;
+mod acne;
 mod planar_bias;
 mod limits;
 mod import;
