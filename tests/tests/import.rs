@@ -129,3 +129,45 @@ fn a_scene_without_triangles_is_an_empty_picture() {
         assert!(a.name == b.name && a.pixels == b.pixels, "{} differs", a.name);
     }
 }
+
+/// Rounding to single precision, of a vertex and of the node's matrix in three.js (which keeps instances' in it too): 2^-20 of the largest coordinate is eight
+/// times what one rounding leaves.
+const BOUNDS_TOLERANCE: f64 = 1.0 / (1 << 20) as f64;
+
+/// The truth takes its triangles from the same importer as the renderers, and so cannot tell when that is wrong. three.js shares no code with either:
+/// `data/bounds.json` was written by `data/bounds.mjs` with three.js 0.187.0.
+#[test]
+fn scenes_have_the_triangles_and_bounds_that_three_js_gives_them() {
+    let Some(folder) = scenes("scenes_have_the_triangles_and_bounds_that_three_js_gives_them") else { return };
+    let text = include_str!("../data/bounds.json");
+    let expected: Value = serde_json::from_str(text).expect("the bounds are JSON");
+    let expected = expected.as_object().expect("an object of files");
+    assert!(expected.len() > 100, "{} files", expected.len());
+    let mut failures = Vec::new();
+    for (file, facts) in expected {
+        let scene = match import(&folder.join(file)) {
+            Ok(scene) => scene,
+            Err(error) => {
+                failures.push(format!("{file}: {error}"));
+                continue;
+            }
+        };
+        let triangles = scene.triangles().len() as u64;
+        if facts["triangles"].as_u64() != Some(triangles) {
+            failures.push(format!("{file}: {triangles} triangles instead of {}", facts["triangles"]));
+        }
+        let corner = |name: &str| {
+            let numbers: Vec<f64> = facts[name].as_array().expect("three numbers").iter().filter_map(Value::as_f64).collect();
+            DVec3::from_slice(&numbers)
+        };
+        let (min, max) = (corner("min"), corner("max"));
+        let tolerance = BOUNDS_TOLERANCE * min.abs().max(max.abs()).max_element();
+        let bounds = scene.bounds();
+        let (ours_min, ours_max) = (scene.origin() + bounds.min.as_dvec3(), scene.origin() + bounds.max.as_dvec3());
+        let off = (ours_min - min).abs().max((ours_max - max).abs()).max_element();
+        if !(off <= tolerance) {
+            failures.push(format!("{file}: from {ours_min} to {ours_max} instead of from {min} to {max}"));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
