@@ -20,7 +20,8 @@ use crate::source::SourceFacts;
 /// - every index of a triangle names a vertex, every material and image that is named exists;
 /// - front faces wind counter-clockwise as seen from outside, whatever the transforms of the file were;
 /// - triangles are sorted by [`Pass`], so that each pass draws one run of [`Scene::pass_triangles`], and within a pass
-///   in the order they were added.
+///   in the order they were added;
+/// - a triangle without an area is in none of them: it is not drawn and hides nothing.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) origin: DVec3,

@@ -10,7 +10,7 @@ use obvhs::{
     bvh2::{Bvh2, builder::build_bvh2_from_tris},
     triangle::Triangle,
 };
-use shadow_scene::Scene;
+use shadow_scene::{Pass, Scene};
 
 use crate::kernel::LANES;
 
@@ -60,14 +60,11 @@ impl Structure {
         let positions = &scene.vertices().positions;
         let mut held = Vec::new();
         let mut triangles = Vec::new();
-        for (index, corners) in scene.triangles().iter().enumerate() {
-            let [v0, v1, v2] = corners.map(|corner| positions[corner as usize]);
-            // What has no area hides nothing and is not seen: neither renderer draws it.
-            let normal = (v1 - v0).as_dvec3().cross((v2 - v0).as_dvec3());
-            if normal.length_squared() > 0.0 {
-                held.push(index as u32);
-                triangles.push(Triangle { v0: v0.into(), v1: v1.into(), v2: v2.into() });
-            }
+        // What has no area is in no pass: neither renderer draws it, and it hides nothing.
+        for index in Pass::ALL.into_iter().flat_map(|pass| scene.pass_triangles(pass)) {
+            let [v0, v1, v2] = scene.triangles()[index as usize].map(|corner| positions[corner as usize].into());
+            held.push(index);
+            triangles.push(Triangle { v0, v1, v2 });
         }
         let extent = triangles.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]);
         let extent = extent.fold(Vec3A::ZERO, |most, corner| most.max(corner.abs())).max_element();

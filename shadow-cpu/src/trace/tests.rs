@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
-use shadow_scene::{Material, Mesh, Scene, SceneBuilder, Vertices, builtin::shapes};
+use shadow_scene::{Material, Mesh, Pass, Scene, SceneBuilder, Vertices, builtin::shapes};
 
 use super::{Hit, Ray, Tracer, triangle::ShearedRay};
 
@@ -29,7 +29,8 @@ fn soup(corners: &[Vec3]) -> Mesh {
 /// The nearest hit, by asking every triangle.
 fn closest_of_all(tracer: &Tracer<'_>, ray: Ray) -> Option<Hit> {
     let sheared = ShearedRay::new(ray);
-    let hits = (0..tracer.scene().triangles().len() as u32).filter_map(|i| sheared.meet(i, tracer.corners(i)));
+    let drawn = Pass::ALL.into_iter().flat_map(|pass| tracer.scene().pass_triangles(pass));
+    let hits = drawn.filter_map(|i| sheared.meet(i, tracer.corners(i)));
     hits.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle)))
 }
 
@@ -86,8 +87,9 @@ proptest! {
             all.extend([corners[1], fourth, corners[2]]);
         }
         let normal = (corners[1] - corners[0]).as_dvec3().cross((corners[2] - corners[0]).as_dvec3());
-        prop_assume!(normal.length_squared() > 0.0);
         let scene = scene(soup(&all));
+        // A needle is not there to hide anything.
+        prop_assume!(!scene.pass_triangles(Pass::OpaqueDoubleSided).is_empty() && scene.triangles()[0] == [0, 1, 2]);
         let tracer = Tracer::new(&scene, 1).expect("a thread starts");
         let hit = Hit { triangle: 0, distance: 1.0, u: at[0], v: at[1] * (1.0 - at[0]), is_back: false };
         let point = tracer.surface_point(&hit, Ray::along(DVec3::ZERO, -normal));
