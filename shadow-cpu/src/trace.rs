@@ -139,7 +139,7 @@ impl<'a> Tracer<'a> {
     /// If the hit is not of this scene.
     #[must_use]
     pub fn surface_point(&self, hit: &Hit, ray: Ray) -> SurfacePoint {
-        SurfacePoint::of_triangle(self.corners(hit.triangle), hit.u, hit.v, ray.direction())
+        SurfacePoint::of_triangle(hit.triangle, self.corners(hit.triangle), hit.u, hit.v, ray.direction())
     }
 
     /// Whether a triangle is there where a ray meets it: not in the holes of an alpha-tested material.

@@ -107,7 +107,7 @@ fn point_behind(view: &ViewPlan, texel: [f64; 2], receiver: &SurfacePoint) -> Op
         meeting_point([(a.truncate(), -a.w), (b.truncate(), -b.w), (receiver.normal, receiver.normal.dot(receiver.position))])?;
     let is_before_the_light = w.dot(position.extend(1.0)) > 0.0;
     let lift = receiver.lift + VERTEX_ROUNDING * position.abs().max_element();
-    is_before_the_light.then_some(SurfacePoint { position, normal: receiver.normal, lift })
+    is_before_the_light.then_some(SurfacePoint { position, normal: receiver.normal, lift, triangle: receiver.triangle })
 }
 
 /// The point of three planes `normal . p = offset`, by Cramer's rule; `None` if two of them are parallel.
@@ -159,7 +159,7 @@ mod tests {
     fn a_point_behind_a_texel_is_seen_in_it() {
         for view in views() {
             let normal = DVec3::new(0.3, 1.0, -0.2).normalize();
-            let receiver = SurfacePoint { position: DVec3::new(0.5, -1.0, 0.25), normal, lift: 0.0 };
+            let receiver = SurfacePoint { position: DVec3::new(0.5, -1.0, 0.25), normal, lift: 0.0, triangle: 0 };
             for texel in [[1000.5, 900.5], [3.5, 2040.5]] {
                 let point = point_behind(&view, texel, &receiver).expect("the ray meets the plane");
                 assert!(normal.dot(point.position - receiver.position).abs() < 1e-12);

@@ -54,7 +54,10 @@ pub(super) fn is_nearly_met(
         for lane in 0..LANES {
             let triangle = leaf.triangle[lane];
             let corners = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
-            if triangle != NO_LANE && sheared.passes_near(triangle, corners, clearance).is_some_and(|hit| accept(&hit)) {
+            if triangle != NO_LANE
+                && triangle != ray.left()
+                && sheared.passes_near(triangle, corners, clearance).is_some_and(|hit| accept(&hit))
+            {
                 return true;
             }
         }

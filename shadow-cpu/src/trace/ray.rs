@@ -1,6 +1,7 @@
 //! Rays in double precision, and what they meet.
 
 use glam::DVec3;
+use shadow_scene::NO_TRIANGLE;
 
 /// The smallest component of a direction whose largest one is 1 that still moves a ray: a smaller one is taken for 0.
 ///
@@ -13,6 +14,8 @@ pub struct Ray {
     origin: DVec3,
     direction: DVec3,
     end: f64,
+    /// The triangle that it leaves, or [`NO_TRIANGLE`].
+    left: u32,
 }
 
 impl Ray {
@@ -23,7 +26,8 @@ impl Ray {
     #[must_use]
     pub fn along(origin: DVec3, direction: DVec3) -> Self {
         let longest = direction.abs().max_element();
-        Self { origin, direction: scaled(direction, longest), end: if longest > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY } }
+        let end = if longest > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        Self { origin, direction: scaled(direction, longest), end, left: NO_TRIANGLE }
     }
 
     /// The part of the ray from `origin` toward `target` that lies between the two, both in metres relative to the scene's origin.
@@ -31,7 +35,20 @@ impl Ray {
     pub fn between(origin: DVec3, target: DVec3) -> Self {
         let direction = target - origin;
         let longest = direction.abs().max_element();
-        Self { origin, direction: scaled(direction, longest), end: if longest > 0.0 { longest } else { f64::NEG_INFINITY } }
+        let end = if longest > 0.0 { longest } else { f64::NEG_INFINITY };
+        Self { origin, direction: scaled(direction, longest), end, left: NO_TRIANGLE }
+    }
+
+    /// The same ray, which leaves this triangle and so does not meet it: a ray meets a plane once.
+    #[must_use]
+    pub fn leaving(self, triangle: u32) -> Self {
+        Self { left: triangle, ..self }
+    }
+
+    /// The triangle that the ray leaves, or [`NO_TRIANGLE`].
+    #[must_use]
+    pub fn left(&self) -> u32 {
+        self.left
     }
 
     /// Where it begins, in metres relative to the scene's origin.

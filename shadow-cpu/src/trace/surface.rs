@@ -21,19 +21,21 @@ pub struct SurfacePoint {
     pub normal: DVec3,
     /// How far above the surface rays begin, in metres.
     pub lift: f64,
+    /// The triangle that it lies on, or [`NO_TRIANGLE`](shadow_scene::NO_TRIANGLE) for a point of no triangle's.
+    pub triangle: u32,
 }
 
 impl SurfacePoint {
     /// The point of a triangle at these weights of its second and third corner, seen along `direction`.
     #[must_use]
-    pub(super) fn of_triangle([v0, v1, v2]: [DVec3; 3], u: f64, v: f64, direction: DVec3) -> Self {
+    pub(super) fn of_triangle(triangle: u32, [v0, v1, v2]: [DVec3; 3], u: f64, v: f64, direction: DVec3) -> Self {
         let (e1, e2) = (v1 - v0, v2 - v0);
         let position = v0 + e1 * u + e2 * v;
         // Triangles without an area are not in the tree, so there is a normal.
         let normal = e1.cross(e2).normalize_or(DVec3::Y);
         let error = POINT_ROUNDING * (v0.abs() + (e1 * u).abs() + (e2 * v).abs());
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Self { position, normal, lift: 2.0 * normal.abs().dot(error) }
+        Self { position, normal, lift: 2.0 * normal.abs().dot(error), triangle }
     }
 
     /// Where rays begin that go to the side of the normal.
@@ -46,12 +48,12 @@ impl SurfacePoint {
     #[must_use]
     pub fn toward(&self, target: DVec3) -> Option<Ray> {
         let origin = self.above();
-        (self.normal.dot(target - origin) > 0.0).then(|| Ray::between(origin, target))
+        (self.normal.dot(target - origin) > 0.0).then(|| Ray::between(origin, target).leaving(self.triangle))
     }
 
     /// The ray in a direction; `None` where that goes into the surface or along it.
     #[must_use]
     pub fn along(&self, direction: DVec3) -> Option<Ray> {
-        (self.normal.dot(direction) > 0.0).then(|| Ray::along(self.above(), direction))
+        (self.normal.dot(direction) > 0.0).then(|| Ray::along(self.above(), direction).leaving(self.triangle))
     }
 }

@@ -42,8 +42,8 @@ impl ShearedRay {
             2
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        // The longest component is 1 or -1, so that these quotients are exact.
-        let shear = [direction[x] / direction[z], direction[y] / direction[z]];
+        // The longest component is 1 or -1, so that these products are quotients, and exact.
+        let shear = [direction[x] * direction[z], direction[y] * direction[z]];
         Self { ray, axes: [x, y, z], shear, nearest: ray.end() }
     }
 

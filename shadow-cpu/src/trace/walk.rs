@@ -5,7 +5,7 @@
 //!
 //! Let `u = 2^-24` and `m` be the largest coordinate of the scene or of the ray's origin. A box's plane is at `(plane - origin) / direction`, where
 //! rounding the origin, the difference and the planes' own f32 arithmetic move the plane by less than `4 u m`: each is moved outward by
-//! [`BOX_MARGIN`] of m. The reciprocal and the product are off by `3 u` of their result, for which the far end is moved by [`END_MARGIN`] of itself.
+//! [`BOX_MARGIN`] of m. The direction, its reciprocal and the product are off by `3 u` of their result, for which the far end is moved by [`END_MARGIN`] of itself.
 //! A sheared coordinate of a corner is off by at most `14 u m`, a little less than [`SHEAR_MARGIN`] of m, which for an edge function of
 //! corners b and c makes `2 e (|b| + |c|)`, its own three roundings included: an edge function counts only if it is larger than that.
 
@@ -38,14 +38,17 @@ pub(super) struct Walk<'a, A, const ANY: bool> {
     pub(super) accept: A,
 }
 
-/// A ray as boxes and leaves see it in single precision.
-struct CoarseRay {
+/// A ray as boxes see it in single precision.
+struct BoxRay {
     /// The origin moved along the direction, for near planes, and against it, for far planes.
     origin: [[f32; 3]; 2],
     inverse: [f32; 3],
     /// The rows of [`Node::planes`] that are near and far, for each axis.
     rows: [[usize; 3]; 2],
-    /// The origin as corners see it.
+}
+
+/// A ray as triangles see it in single precision.
+struct CornerRay {
     point: [f32; 3],
     shear: [f32; 2],
     axes: [usize; 3],
@@ -53,28 +56,20 @@ struct CoarseRay {
     error: f32,
 }
 
-impl CoarseRay {
+impl BoxRay {
+    /// `largest` is the largest coordinate of the scene and of the ray's origin.
     #[inline(always)]
-    fn new(sheared: &ShearedRay, extent: f32) -> Self {
-        let (origin, direction) = (sheared.ray.origin(), sheared.ray.direction());
-        let largest = f64::from(extent).max(origin.abs().max_element());
+    fn new(ray: &Ray, largest: f64) -> Self {
+        let (origin, direction) = (ray.origin(), ray.direction());
         let margin = largest * BOX_MARGIN;
-        let mut coarse = Self {
-            origin: [[0.0; 3]; 2],
-            inverse: [0.0; 3],
-            rows: [[0; 3]; 2],
-            point: origin.as_vec3().to_array(),
-            shear: [sheared.shear[0] as f32, sheared.shear[1] as f32],
-            axes: sheared.axes,
-            error: largest as f32 * SHEAR_MARGIN,
-        };
+        let mut coarse = Self { origin: [[0.0; 3]; 2], inverse: [0.0; 3], rows: [[0; 3]; 2] };
         for axis in 0..3 {
             let is_backward = direction[axis] < 0.0;
             let forward = if is_backward { -margin } else { margin };
             coarse.origin[0][axis] = (origin[axis] + forward) as f32;
             coarse.origin[1][axis] = (origin[axis] - forward) as f32;
             // A component of -0 is none, and goes the way of 0.
-            coarse.inverse[axis] = if direction[axis] == 0.0 { f32::INFINITY } else { (1.0 / direction[axis]) as f32 };
+            coarse.inverse[axis] = if direction[axis] == 0.0 { f32::INFINITY } else { 1.0 / direction[axis] as f32 };
             coarse.rows[0][axis] = 2 * axis + usize::from(is_backward);
             coarse.rows[1][axis] = 2 * axis + usize::from(!is_backward);
         }
@@ -95,6 +90,18 @@ impl CoarseRay {
             far = to_far.min(far);
         }
         (near.at_most(far * L::F::splat(END_MARGIN)).negative_bits(), near)
+    }
+}
+
+impl CornerRay {
+    #[inline(always)]
+    fn new(sheared: &ShearedRay, largest: f64) -> Self {
+        Self {
+            point: sheared.ray.origin().as_vec3().to_array(),
+            shear: [sheared.shear[0] as f32, sheared.shear[1] as f32],
+            axes: sheared.axes,
+            error: largest as f32 * SHEAR_MARGIN,
+        }
     }
 
     /// Which of a leaf's triangles the ray may meet, a bit each.
@@ -133,19 +140,30 @@ impl<A: FnMut(&Hit) -> bool, const ANY: bool> Kernel for Walk<'_, A, ANY> {
     #[inline(always)]
     fn run<L: Lanes, M: MultiplyAdd>(self) -> Option<Hit> {
         let Self { structure, stack, ray, mut accept } = self;
-        let mut sheared = ShearedRay::new(ray);
-        let coarse = CoarseRay::new(&sheared, structure.extent);
-        let mut best: Option<Hit> = None;
         let mut end = (ray.end() as f32).next_up();
         if !(end > 0.0) {
             return None;
         }
+        let largest = f64::from(structure.extent).max(ray.origin().abs().max_element());
+        let boxes = BoxRay::new(&ray, largest);
+        // Many rays pass by all there is, and need nothing more.
+        let root = boxes.enter::<L>(&structure.nodes[0], end);
+        if root.0 == 0 {
+            return None;
+        }
+        let mut of_root = Some(root);
+        let mut sheared = ShearedRay::new(ray);
+        let corners = CornerRay::new(&sheared, largest);
+        let mut best: Option<Hit> = None;
         stack.clear();
         let mut current = 0;
         loop {
             if current & LEAF == 0 {
                 let node = &structure.nodes[current as usize];
-                let (mut mask, near) = coarse.enter::<L>(node, end);
+                let (mut mask, near) = match of_root.take() {
+                    Some(entered) => entered,
+                    None => boxes.enter::<L>(node, end),
+                };
                 if mask != 0 {
                     let first = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
@@ -154,6 +172,7 @@ impl<A: FnMut(&Hit) -> bool, const ANY: bool> Kernel for Walk<'_, A, ANY> {
                         let mut nears = [0.0; LANES];
                         near.store(&mut nears);
                         let mut nearest = nears[first];
+                        let waiting = stack.len();
                         while mask != 0 {
                             let lane = mask.trailing_zeros() as usize;
                             mask &= mask - 1;
@@ -163,13 +182,19 @@ impl<A: FnMut(&Hit) -> bool, const ANY: bool> Kernel for Walk<'_, A, ANY> {
                                 core::mem::swap(&mut distance, &mut nearest);
                             }
                             stack.push((child, distance));
+                            // What begins nearer is entered first, and may spare the rest.
+                            let mut place = stack.len() - 1;
+                            while !ANY && place > waiting && stack[place - 1].1 < stack[place].1 {
+                                stack.swap(place - 1, place);
+                                place -= 1;
+                            }
                         }
                     }
                     continue;
                 }
             } else {
                 let leaf = &structure.leaves[(current & !LEAF) as usize];
-                let mut mask = coarse.candidates::<L>(leaf);
+                let mut mask = corners.candidates::<L>(leaf);
                 while mask != 0 {
                     let lane = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
@@ -177,8 +202,11 @@ impl<A: FnMut(&Hit) -> bool, const ANY: bool> Kernel for Walk<'_, A, ANY> {
                     if triangle == NO_LANE {
                         break;
                     }
-                    let corners = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
-                    let Some(hit) = sheared.meet(triangle, corners) else { continue };
+                    if triangle == ray.left() {
+                        continue;
+                    }
+                    let exact = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
+                    let Some(hit) = sheared.meet(triangle, exact) else { continue };
                     // Of two triangles at the same distance the lower index is seen.
                     let is_behind = best.is_some_and(|best| hit.distance == best.distance && hit.triangle > best.triangle);
                     if !is_behind && accept(&hit) {
