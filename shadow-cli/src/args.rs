@@ -449,7 +449,7 @@ pub(crate) struct MeasureArgs {
 
     /// Report as JSON on standard output
     ///
-    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `backend`, `adapter` (null for the CPU), `light_samples`, `report` (null without one) and
+    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `backend`, `adapter` (null for the CPU), `light_samples` (null where no light has a size), `report` (null without one) and
     /// `techniques`. Each of these has its `settings` (as a settings file has them, with the `name`), `pixels` (judged: those that show something a light can reach, once for
     /// each light), `wrong`, `causes` (pixels by cause), `at_terminator` (pixels whose two normals disagree about facing the light, wrong or not), `rmse`,
     /// `milliseconds` (medians: `shadow_maps`, `camera`, `shading`, `total`), `map_bytes`, `stability` (`move`, `turn`, `zoom`, `light`: shares that change for no

@@ -83,8 +83,8 @@ pub(crate) enum Work<'a> {
     Render(Backend, LayerName, Format),
     /// One backend after the other renders all layers, and they are compared.
     Compare([Backend; 2]),
-    /// One backend renders, beside the tracer; all layers are given back and judged.
-    Measure(Backend),
+    /// One backend renders, beside the tracer; all layers are given back and judged, and the frames of so many techniques stay.
+    Measure(Backend, usize),
     /// All backends stay ready, and none gives anything back.
     Bench(&'a [Backend]),
 }
@@ -234,10 +234,14 @@ impl Amounts {
                     Demand { maps: self.map_texels * COMPARED_TEXEL, frame: self.pixels * COMPARED_PIXEL, ..Demand::default() };
                 layers.plus(layers).plus(working.max(judged))
             }
-            Work::Measure(backend) => {
+            Work::Measure(backend, techniques) => {
                 let rendered = self.working(backend, Request::ALL).plus(self.layers(Request::ALL));
-                // The maps of one moment stay while those of another are drawn; of every pixel stay its truth, causes and errors.
-                let kept = Demand { maps: self.maps(), frame: self.pixels * COMPARED_PIXEL, ..Demand::default() };
+                // The scene stays once more under lights that move, and the maps of one moment while those of another are drawn. For each light a pixel has
+                // its truth (a count and a flag), and in each frame that stays a visibility, a cause and an error.
+                let of_frame = self.layers(Request { shadow_maps: false, ..Request::ALL }).frame;
+                let judged = self.pixels.saturating_mul(self.lights).saturating_mul(1 + NUMBER);
+                let frames = of_frame.saturating_add(judged).saturating_mul(techniques as u64);
+                let kept = Demand { maps: self.maps(), frame: frames.saturating_add(judged), ..self.scene() };
                 rendered.plus(self.working(Backend::Trace, Request::ALL)).plus(kept)
             }
             Work::Bench(backends) => {

@@ -128,7 +128,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The corners of a triangle, exactly as the scene has them.
-    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+    pub(crate) fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.scene.triangles()[triangle as usize].map(|corner| self.scene.vertices().positions[corner as usize].as_dvec3())
     }
 
@@ -193,16 +193,19 @@ impl Rays<'_> {
         dispatch(false, Walk::<_, ANY> { structure: &self.tracer.structure, stack: &mut self.stack, ray, accept })
     }
 
-    /// Whether a triangle would meet a ray if its corners moved by up to `clearance` to the side. Whether it has holes is not asked.
-    pub fn is_nearly_blocked(&mut self, ray: Ray, clearance: Clearance) -> bool {
+    /// Whether a triangle would hide the middle of a light from a point that faces it if the triangle's corners moved by up to `clearance` to the side.
+    pub fn is_center_nearly_hidden(&mut self, point: &SurfacePoint, light: &SceneLight, clearance: Clearance) -> bool {
         self.sent += 1;
-        is_nearly_met(&self.tracer.structure, &mut self.stack, ray, clearance, |_| true)
+        let tracer = self.tracer;
+        ray_to_center(point, light).is_some_and(|ray| {
+            is_nearly_met(&tracer.structure, &mut self.stack, ray, point, clearance, |hit| tracer.is_there(hit))
+        })
     }
 
-    /// The ray from a surface toward the middle of a light; `None` where the surface does not face it.
+    /// Whether a surface faces the middle of a light.
     #[must_use]
-    pub fn to_center(&self, point: &SurfacePoint, light: &SceneLight) -> Option<Ray> {
-        ray_to_center(point, light)
+    pub fn faces_center(point: &SurfacePoint, light: &SceneLight) -> bool {
+        ray_to_center(point, light).is_some()
     }
 
     /// Whether the middle of a light is seen from a surface that faces it: the truth of a light without a size.

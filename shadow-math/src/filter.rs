@@ -15,7 +15,7 @@ use crate::{
 /// Texels that stay free on every side of a fit: the reach of the widest filter from a receiver at the rim, what the bias moves a lookup by, and one for
 /// rounding.
 ///
-/// A bilinear tap is less than one texel from its lookup, a hard one half of one. The automatic bias moves a lookup along the normal by less than `sqrt(2)`
+/// A bilinear tap is less than one texel from its lookup, a hard one half of one. The automatic bias moves a lookup along the normal by less than 2.5
 /// times as much: see [`normal_offset`](crate::bias::normal_offset).
 #[must_use]
 pub fn guard_texels(filter: Filter, bias: Bias) -> u32 {
@@ -23,7 +23,7 @@ pub fn guard_texels(filter: Filter, bias: Bias) -> u32 {
         Filter::Hard | Filter::Bilinear => 1,
     };
     let moved = match bias {
-        Bias::Automatic => 2 * reach,
+        Bias::Automatic => 3 * reach,
         Bias::None | Bias::Constant { .. } | Bias::Slope { .. } => 0,
     };
     reach + moved + 1

@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::{
-    bias::{depth_bias, normal_offset},
+    bias::{depth_bias, needed_depth, normal_offset},
     filter::filtered_test,
     fit::cube_face_of,
     plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
@@ -78,8 +78,9 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
         return known(1.0);
     }
     let normal = unit_normal(receiver.normal);
-    let offset = normal_offset(light, view, receiver.point, normal, w);
-    let mut bias = depth_bias(light, view, receiver.point, receiver.normal, w);
+    let needed = needed_depth(light, view, receiver.point, receiver.normal, w);
+    let offset = normal_offset(light, view, receiver.point, normal, needed, w);
+    let mut bias = depth_bias(light, view, needed, w);
     if offset > 0.0 {
         bias = 0.0;
     }

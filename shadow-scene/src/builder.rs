@@ -297,8 +297,15 @@ impl SceneBuilder {
         for SceneCamera { name, camera } in &self.cameras {
             camera.validate().map_err(|source| SceneError::Camera { name: name.clone(), source })?;
         }
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| self.vertices.positions[corner as usize].as_dvec3());
+        let areas: Vec<Area> = self.triangles.iter().map(|triangle| Area::of(corners(triangle))).collect();
+        let needles = areas.iter().filter(|&&area| area == Area::Needle).count();
+        if needles > 0 {
+            let what = if needles == 1 { "1 needle is" } else { &format!("{needles} needles are") };
+            self.notes.push(format!("{what} not drawn: triangles whose height is no more than the rounding of their corners"));
+        }
         let (triangles, triangle_materials, pass_triangles) =
-            sort_by_pass(&self.materials, &self.vertices.positions, &self.triangles, &self.triangle_materials);
+            sort_by_pass(&self.materials, &areas, &self.triangles, &self.triangle_materials);
         Ok(Scene {
             origin: self.origin,
             vertices: self.vertices,
@@ -323,20 +330,20 @@ impl SceneBuilder {
 #[allow(clippy::type_complexity, reason = "three parallel results of one sort, taken apart at once")]
 fn sort_by_pass(
     materials: &[Material],
-    positions: &[Vec3],
+    areas: &[Area],
     triangles: &[[u32; 3]],
     triangle_materials: &[u32],
 ) -> (Vec<[u32; 3]>, Vec<u32>, [core::ops::Range<u32>; Pass::COUNT]) {
     let passes: Vec<Pass> = materials.iter().map(Material::pass).collect();
-    let has_area: Vec<bool> =
-        triangles.iter().map(|triangle| has_area(triangle.map(|corner| positions[corner as usize].as_dvec3()))).collect();
+    let with_area = |is_wanted: bool| {
+        let triangles = triangles.iter().zip(triangle_materials).zip(areas);
+        triangles.filter(move |(_, area)| (**area == Area::Some) == is_wanted).map(|(triangle, _)| triangle)
+    };
     let mut sorted = Vec::with_capacity(triangles.len());
     let mut sorted_materials = Vec::with_capacity(triangles.len());
     let ranges = Pass::ALL.map(|pass| {
         let start = sorted.len() as u32;
-        for ((triangle, &material), _) in
-            triangles.iter().zip(triangle_materials).zip(&has_area).filter(|(_, has_area)| **has_area)
-        {
+        for (triangle, &material) in with_area(true) {
             if passes[material as usize] == pass {
                 sorted.push(*triangle);
                 sorted_materials.push(material);
@@ -344,30 +351,46 @@ fn sort_by_pass(
         }
         start..sorted.len() as u32
     });
-    for ((triangle, &material), _) in triangles.iter().zip(triangle_materials).zip(&has_area).filter(|(_, has_area)| !**has_area)
-    {
+    for (triangle, &material) in with_area(false) {
         sorted.push(*triangle);
         sorted_materials.push(material);
     }
     (sorted, sorted_materials, ranges)
 }
 
-/// Whether a triangle has an area that its corners' single precision can tell from none.
+/// What a triangle has of an area.
 ///
 /// Each coordinate is rounded by up to `2^-24` of its size. A needle whose height over its longest side is at most four times that may as well lie
-/// on either side of it: its plane is what rounding made of it, and its depth in a map can be anything. Exporters leave such needles where a vertex lies
-/// on its neighbours' edge. A triangle that is small altogether is none.
-fn has_area([v0, v1, v2]: [DVec3; 3]) -> bool {
-    /// The height of a needle, as a share of its largest coordinate: four roundings.
-    const NEEDLE_HEIGHT: f64 = 1.0 / (1_u32 << 22) as f64;
-    /// Its height as a share of its longest side.
-    const NEEDLE_SHAPE: f64 = 1.0 / (1_u32 << 10) as f64;
-    let (e0, e1, e2) = (v2 - v1, v0 - v2, v1 - v0);
-    let twice_area = e2.cross(e1).length();
-    let longest = e0.length().max(e1.length()).max(e2.length());
-    let height = twice_area / longest;
-    let largest = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
-    twice_area > 0.0 && (height > NEEDLE_HEIGHT * largest || height > NEEDLE_SHAPE * longest)
+/// on either side of it: its plane is what rounding made of it, and its depth in a map can be anything. The largest coordinate counts, since what rotates a mesh mixes
+/// them. Exporters leave such needles where a vertex lies on its neighbours' edge. A triangle that is small altogether is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Area {
+    /// Its corners lie on a line.
+    None,
+    /// One that its corners' single precision cannot tell from none.
+    Needle,
+    Some,
+}
+
+impl Area {
+    fn of([v0, v1, v2]: [DVec3; 3]) -> Self {
+        /// The height of a needle, as a share of its largest coordinate: four roundings.
+        const NEEDLE_HEIGHT: f64 = 1.0 / (1_u32 << 22) as f64;
+        /// Its height as a share of its longest side.
+        const NEEDLE_SHAPE: f64 = 1.0 / (1_u32 << 10) as f64;
+        let (e0, e1, e2) = (v2 - v1, v0 - v2, v1 - v0);
+        let twice_area = e2.cross(e1).length();
+        let longest = e0.length().max(e1.length()).max(e2.length());
+        let height = twice_area / longest;
+        let largest = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
+        if !(twice_area > 0.0) {
+            Self::None
+        } else if height <= NEEDLE_HEIGHT * largest && height <= NEEDLE_SHAPE * longest {
+            Self::Needle
+        } else {
+            Self::Some
+        }
+    }
 }
 
 /// Illuminance of the sun that lights a scene without lights, in lux: a clear day, some hours from noon.
@@ -446,7 +469,7 @@ mod tests {
 
     #[test]
     fn triangles_without_an_area_are_in_no_pass() {
-        let points = |points: [[f32; 3]; 3]| has_area(points.map(|point| Vec3::from(point).as_dvec3()));
+        let points = |points: [[f32; 3]; 3]| Area::of(points.map(|point| Vec3::from(point).as_dvec3())) == Area::Some;
         assert!(points([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
         assert!(
             points([[100.0, 0.0, 0.0], [100.00001, 0.0, 0.0], [100.0, 1e-5, 0.0]]),

@@ -9,8 +9,8 @@ use shadow_cpu::{
 };
 use shadow_math::{Bias, Camera, Filter, Light, LightKind, LightShape, Projection, ShadowSettings};
 use shadow_scene::{
-    Frame, FramePlan, LayerName, Material, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, SceneLight, builtin,
-    builtin::shapes,
+    Alpha, Frame, FramePlan, Image, LayerName, Material, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
+    Wrap, builtin, builtin::shapes,
 };
 use shadow_tests::{renderers::cpu, report::say};
 
@@ -65,6 +65,44 @@ fn a_plane_that_shadows_itself_has_acne_alone() {
         let automatic = judged(&scene, &settings(Bias::Automatic)).total();
         assert_eq!((automatic.wrong(), automatic.rmse()), (0, 0.0));
         assert_eq!(automatic.judged, none.judged);
+    }
+}
+
+/// What does not hide the light does not hide acne either: a ceiling on which the lamp lies, and a card that is one hole.
+#[test]
+fn what_hides_no_light_hides_no_acne() {
+    let room = |material: Material, roof: Option<f32>| {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let white = builder.add_material(Material::white());
+        builder
+            .add_instance("floor", white, shapes::plane(Vec3::ZERO, Vec3::new(0.1, 1.0, 0.05), 4.0))
+            .expect("the floor is whole");
+        let texels = vec![[255, 255, 255, 0]];
+        let image = builder.add_image(Image { width: 1, height: 1, texels });
+        let texture = Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+        let material = builder.add_material(Material { texture: Some(texture), ..material });
+        if let Some(height) = roof {
+            let roof = shapes::plane(Vec3::Y * height, Vec3::new(0.03, -1.0, 0.02), 3.9);
+            builder.add_instance("roof", material, roof).expect("the roof is whole");
+        }
+        let lamp = LightKind::Point { position: Vec3::Y * 2.5, range: None };
+        builder.add_light("lamp", Light { kind: lamp, color: Vec3::ONE, intensity: 100.0 });
+        let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far: None };
+        let camera = Camera::look_at(DVec3::new(0.5, 2.0, 3.0), DVec3::new(0.0, 0.0, -0.5), projection);
+        builder.add_camera("main", camera.expect("the eye is not the target"));
+        builder.build().expect("the scene is whole")
+    };
+    let settings = ShadowSettings { bias: Bias::None, map_size: 512, ..ShadowSettings::default() };
+    let hole = Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..Material::white() };
+    for (case, scene) in [
+        ("nothing above", room(Material::white(), None)),
+        ("a ceiling with the lamp on it", room(Material::white(), Some(2.5))),
+        ("a card that is a hole", room(hole, Some(1.5))),
+    ] {
+        let counts = judged(&scene, &settings).total();
+        assert!(counts.wrong() > 50_000, "{case}: {counts:?}");
+        // Some taps lie beside the floor, and some rays pass by its edge.
+        assert!(counts.count(Cause::Acne) * 100 > counts.wrong() * 99, "{case}: {counts:?}");
     }
 }
 

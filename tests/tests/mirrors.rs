@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3, Vec4};
 use shadow_gpu::DriverRules;
 use shadow_math::{
     Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
-    bias::{OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset},
+    bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset},
     bounds::Aabb,
     filter::{depth_test, filtered_test, support, weighted_taps},
     fit::cube_face_of,
@@ -245,7 +245,8 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "bias",
         functions: &["depth_bias", "metres_to_depth"],
-        statements: "output(0u, depth_bias(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u)));",
+        statements: "let needed = needed_depth(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u));
+            output(0u, depth_bias(u32(input(0u)), u32(input(1u)), needed, input(8u)));",
         inputs_each: 9,
         inputs: |world, random| {
             let view = world.light(NOON).first_view as f32;
@@ -267,7 +268,7 @@ const TABLE: &[Mirror] = &[
         },
         twin: |world, i| {
             let (light, view, point, normal, w) = (world.light(i[0]), world.view(i[1]), v3(i, 2), v3(i, 5), i[8]);
-            let value = depth_bias(light, view, point, normal, w);
+            let value = depth_bias(light, view, needed_depth(light, view, point, normal, w), w);
             vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, w) }]
         },
         bound: 48,
@@ -280,8 +281,9 @@ const TABLE: &[Mirror] = &[
             let normal = unit_normal(input3(4u));
             let view = lights[u32(input(0u))].first_view;
             let w = row_times_point(views[view].clip_w, point);
-            output(0u, needed_depth(u32(input(0u)), view, point, normal, w));
-            output(1u, normal_offset(u32(input(0u)), view, point, normal, w));",
+            let needed = needed_depth(u32(input(0u)), view, point, normal, w);
+            output(0u, needed);
+            output(1u, normal_offset(u32(input(0u)), view, point, normal, needed, w));",
         inputs_each: 7,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
@@ -290,7 +292,7 @@ const TABLE: &[Mirror] = &[
             let normal = unit_normal(receiver.normal);
             let w = row_times_point(view.clip_w, receiver.point);
             let needed = needed_depth(light, view, receiver.point, normal, w);
-            let offset = normal_offset(light, view, receiver.point, normal, w);
+            let offset = normal_offset(light, view, receiver.point, normal, needed, w);
             let [needed_scale, offset_scale] = magnitude_of_need(light, view, receiver.point, normal, w);
             vec![Number { value: needed, scale: needed_scale }, Number { value: offset, scale: offset_scale }]
         },

@@ -17,7 +17,7 @@ use self::motion::{Motions, StabilityReport};
 use super::Verdict;
 use crate::{
     args::{Backend, MeasureArgs},
-    backend::{OpenBackend, check_machine},
+    backend::{OpenBackend, check_machine, has_sized_light},
     console::{Console, print, print_json, table},
     error::CliError,
     memory::{self, Work},
@@ -43,8 +43,8 @@ struct Report<'a> {
     backend: &'static str,
     /// The adapter's name; null for the CPU.
     adapter: Option<String>,
-    /// Rays to each light that has a size.
-    light_samples: u32,
+    /// Rays to each light that has a size; null without any.
+    light_samples: Option<u32>,
     techniques: Vec<TechniqueReport>,
     /// The page, if one was written.
     report: Option<String>,
@@ -140,17 +140,21 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     if args.backend == Backend::Trace {
         return Err(CliError::MeasureTrace);
     }
-    check_machine(&args.machine, &[args.backend], &console)?;
+    // The tracer has threads of its own, whatever renders.
+    check_machine(&args.machine, &[args.backend, Backend::Trace], &console)?;
     let from_files = args.settings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
     let mut job = Job { light_samples: args.light_samples, ..Job::resolve(&args.picture, &console)? };
     let techniques = techniques(&job, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {
         job.plan = plan.clone();
-        memory::check(&job, Work::Measure(args.backend))?;
+        memory::check(&job, Work::Measure(args.backend, if args.report.is_some() { plans.len() } else { 1 }))?;
     }
     if let Some(folder) = &args.report {
         make_folder(folder)?;
+    }
+    if has_sized_light(&job.scene) {
+        console.note("shadow maps are drawn for a light's centre: the causes are for that, and rmse has its whole size");
     }
     let job = job;
 
@@ -192,7 +196,9 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
                 .map(|(light, judged)| LightReport { name: light.name.clone(), counts: judged.counts.into() })
                 .collect(),
         });
-        shown.push(Shown { frame, judgement });
+        if args.report.is_some() {
+            shown.push(Shown { frame, judgement });
+        }
     }
 
     let mut report = Report {
@@ -203,7 +209,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
         height: camera.height,
         backend: args.backend.name(),
         adapter: backend.adapter().map(|adapter| adapter.name.clone()),
-        light_samples: judge.lights().sampling.count(),
+        light_samples: has_sized_light(&job.scene).then(|| judge.lights().sampling.count()),
         techniques: reports,
         report: None,
     };

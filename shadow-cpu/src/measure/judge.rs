@@ -93,10 +93,13 @@ impl Judgement {
         total
     }
 
-    /// The cause of each pixel's largest error among the lights, or 0.
+    /// The cause of each pixel's largest error among the lights for which it is wrong, or 0.
     #[must_use]
     pub fn causes(&self) -> Vec<u8> {
-        let worst = |pixel: usize| self.lights.iter().max_by(|a, b| a.errors[pixel].total_cmp(&b.errors[pixel]));
+        let worst = |pixel: usize| {
+            let wrong = self.lights.iter().filter(|light| light.causes[pixel] != 0);
+            wrong.max_by(|a, b| a.errors[pixel].total_cmp(&b.errors[pixel]))
+        };
         let pixels = self.width as usize * self.height as usize;
         (0..pixels).map(|pixel| worst(pixel).map_or(0, |light| light.causes[pixel])).collect()
     }
@@ -276,7 +279,9 @@ impl<'a> Judge<'a> {
             let receiver = scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5));
             let lookup = lookup(&plan.lights[light_index], &plan.views, &receiver);
             let view = plan.views.get(lookup.view as usize);
-            let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility };
+            let corners = self.tracer.corners(triangle);
+            let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+            let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility, largest };
             cause_by_taps(&point, &taken, self.sees_center[place], rays)
         });
         Some(JudgedPixel { cause, error, is_at_terminator })
@@ -298,16 +303,21 @@ struct Taken<'a> {
     view: Option<&'a ViewPlan>,
     lookup: Lookup,
     visibility: f32,
+    /// The largest coordinate of the receiver's triangle, in metres.
+    largest: f64,
 }
 
 /// Why the visibility of a pixel is wrong, where rays and rasteriser see the same triangle and both normals agree.
 fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, rays: &mut Rays<'_>) -> Cause {
-    let Taken { light, plan, view, lookup, visibility } = taken;
+    let Taken { light, plan, view, lookup, visibility, largest } = taken;
     let Some(view) = view else {
         // Without a map a surface that faces away is dark: single and double precision disagree about that. All else is lit.
         return if lookup.known == 0.0 { Cause::Terminator } else { Cause::Leak };
     };
-    let taps = Taps::of(plan, view, lookup, receiver);
+    if !Rays::faces_center(receiver, light) {
+        return Cause::Terminator;
+    }
+    let taps = Taps::of(plan, view, lookup, receiver, *largest);
     if taps.cross_seam(plan, lookup) {
         return Cause::Seam;
     }
@@ -317,10 +327,7 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
     if !is_mixed {
         // Where the centres agree, what lies as near to them as outlines in the map can be off must agree too.
         is_mixed = if sees_center {
-            taps.centers().flatten().any(|point| {
-                let ray = rays.to_center(&point, light);
-                ray.is_some_and(|ray| rays.is_nearly_blocked(ray, taps.clearance(&point)))
-            })
+            taps.centers().flatten().any(|point| rays.is_center_nearly_hidden(&point, light, taps.clearance(&point)))
         } else {
             taps.around().any(sees)
         };

@@ -22,15 +22,9 @@ const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 21) as f64;
 /// The most taps of a filter.
 const MAX_TAPS: usize = 4;
 
-/// How far the outline of a caster in a map can be from the true one, in texels on each axis: half a step of the sub-pixel grid that its corners are snapped
-/// to, and as much again for the rounding of where they are before.
-const OUTLINE_ERROR: f64 = 2.0 * SNAP_TEXELS as f64;
-
-/// Eight points around a texel's centre, in texels: where its sample could as well have been taken.
-const AROUND: [[f64; 2]; 8] = {
-    const E: f64 = OUTLINE_ERROR;
-    [[-E, -E], [E, -E], [-E, E], [E, E], [-E, 0.0], [E, 0.0], [0.0, -E], [0.0, E]]
-};
+/// Eight directions around a texel's centre.
+const AROUND: [[f64; 2]; 8] =
+    [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
 /// A lookup's taps on a receiver's plane.
 pub(super) struct Taps<'a> {
@@ -38,13 +32,21 @@ pub(super) struct Taps<'a> {
     receiver: &'a SurfacePoint,
     texels: [IVec2; MAX_TAPS],
     count: usize,
+    /// How far the tap's points lie above the receiver's plane, in metres.
+    lift: f64,
+    /// How far the outline of a caster in the map can be from the true one, in texels on each axis: half a step of the sub-pixel grid that corners are
+    /// snapped to, and the plan's bound on the rounding of where they are before.
+    outline_error: f64,
 }
 
 impl<'a> Taps<'a> {
-    /// The taps that a lookup in this view weighs.
-    pub(super) fn of(light: &LightPlan, view: &'a ViewPlan, lookup: &Lookup, receiver: &'a SurfacePoint) -> Self {
+    /// The taps that a lookup in this view weighs. `largest` is the largest coordinate of the receiver's triangle, in metres.
+    pub(super) fn of(light: &LightPlan, view: &'a ViewPlan, lookup: &Lookup, receiver: &'a SurfacePoint, largest: f64) -> Self {
         let (texels, count) = weighted_taps(light.filter, lookup.texel);
-        Self { view, receiver, texels, count }
+        let w = row_times_point(view.clip_w, receiver.position.as_vec3());
+        let rounding = view.rounding_texels[0] + view.rounding_texels[1] / w.max(view.depth_range[0].max(f32::MIN_POSITIVE));
+        let outline_error = f64::from(SNAP_TEXELS + rounding);
+        Self { view, receiver, texels, count, lift: receiver.lift + VERTEX_ROUNDING * largest, outline_error }
     }
 
     /// Whether any texel belongs to another map of the light, or to none.
@@ -67,14 +69,15 @@ impl<'a> Taps<'a> {
 
     /// As [`Self::centers`], for points beside the centres by as much as outlines in the map can be off.
     pub(super) fn around(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
-        self.texels[..self.count].iter().flat_map(|texel| AROUND.map(|offset| self.point(*texel, offset)))
+        let e = self.outline_error;
+        self.texels[..self.count].iter().flat_map(move |texel| AROUND.map(|[x, y]| self.point(*texel, [x * e, y * e])))
     }
 
     /// How far outlines in the map can be off, in metres across the ray from one of the taps to the light.
     pub(super) fn clearance(&self, point: &SurfacePoint) -> Clearance {
         let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
         let w = f64::from(row_times_point(self.view.clip_w, point.position.as_vec3()));
-        let at_origin = SQRT_2 * OUTLINE_ERROR * texel * w;
+        let at_origin = SQRT_2 * self.outline_error * texel * w;
         // Toward the light of a perspective view texels shrink to nothing.
         Clearance { at_origin, at_end: if self.view.w_per_metre == 0.0 { at_origin } else { 0.0 } }
     }
@@ -92,7 +95,8 @@ impl<'a> Taps<'a> {
 
     fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {
         let place = [f64::from(texel.x) + 0.5 + offset[0], f64::from(texel.y) + 0.5 + offset[1]];
-        point_behind(self.view, place, self.receiver)
+        let point = point_behind(self.view, place, self.receiver)?;
+        Some(SurfacePoint { lift: self.lift, ..point })
     }
 }
 
@@ -106,8 +110,7 @@ fn point_behind(view: &ViewPlan, texel: [f64; 2], receiver: &SurfacePoint) -> Op
     let position =
         meeting_point([(a.truncate(), -a.w), (b.truncate(), -b.w), (receiver.normal, receiver.normal.dot(receiver.position))])?;
     let is_before_the_light = w.dot(position.extend(1.0)) > 0.0;
-    let lift = receiver.lift + VERTEX_ROUNDING * position.abs().max_element();
-    is_before_the_light.then_some(SurfacePoint { position, normal: receiver.normal, lift, triangle: receiver.triangle })
+    is_before_the_light.then_some(SurfacePoint { position, ..*receiver })
 }
 
 /// The point of three planes `normal . p = offset`, by Cramer's rule; `None` if two of them are parallel.

@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use super::{
     ray::{Hit, Ray},
     structure::{LEAF, NO_LANE, Node, Structure},
+    surface::SurfacePoint,
     triangle::ShearedRay,
 };
 use crate::kernel::LANES;
@@ -28,16 +29,21 @@ impl Clearance {
     }
 }
 
-/// The sine of the angle between a ray and a plane below which the ray counts as running along it.
+/// The sine of the angle between a ray and a plane below which the ray counts as running along it: `clearance` to the side is then a thousand times as
+/// much along the ray, about the whole of a map's texel.
 const EDGE_ON: f64 = 1e-3;
 
-/// Whether `accept` accepts a triangle that comes within `clearance` of a ray. Rays are few here: boxes are taken one after the other.
+/// Whether a triangle comes within `clearance` of a ray that leaves `point`, and is there. Rays are few here: boxes are taken one after the other.
+///
+/// A triangle of which nothing rises above the point's own plane hides nothing of it. `is_there` is told where the ray itself meets a triangle; those that it
+/// passes by are there.
 pub(super) fn is_nearly_met(
     structure: &Structure,
     stack: &mut Vec<(u32, f32)>,
     ray: Ray,
+    point: &SurfacePoint,
     clearance: Clearance,
-    mut accept: impl FnMut(&Hit) -> bool,
+    is_there: impl Fn(&Hit) -> bool,
 ) -> bool {
     let sheared = ShearedRay::new(ray);
     let widest = clearance.at_origin.max(clearance.at_end);
@@ -51,14 +57,15 @@ pub(super) fn is_nearly_met(
             continue;
         }
         let leaf = &structure.leaves[(child & !LEAF) as usize];
-        for lane in 0..LANES {
-            let triangle = leaf.triangle[lane];
+        for lane in (0..LANES).filter(|&lane| leaf.triangle[lane] != NO_LANE && leaf.triangle[lane] != ray.left()) {
             let corners = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
-            if triangle != NO_LANE
-                && triangle != ray.left()
-                && sheared.passes_near(triangle, corners, clearance).is_some_and(|hit| accept(&hit))
-            {
-                return true;
+            let rises = corners.into_iter().any(|corner| point.normal.dot(corner - point.position) > point.lift);
+            if rises && sheared.passes_near(corners, clearance) {
+                // Only the ray itself says whether it goes through a hole.
+                match sheared.meet(leaf.triangle[lane], corners) {
+                    Some(hit) if !is_there(&hit) => {}
+                    _ => return true,
+                }
             }
         }
     }
@@ -86,8 +93,8 @@ fn enters(node: &Node, lane: usize, ray: Ray, radius: f64) -> bool {
 }
 
 impl ShearedRay {
-    /// Where a ray meets the plane of a triangle, if it passes each edge on the inside or within `clearance` of it.
-    fn passes_near(&self, triangle: u32, corners: [DVec3; 3], clearance: Clearance) -> Option<Hit> {
+    /// Whether a ray passes each edge of a triangle on the inside or within `clearance` of it, before its end.
+    fn passes_near(&self, corners: [DVec3; 3], clearance: Clearance) -> bool {
         let [v0, v1, v2] = corners;
         let normal = (v1 - v0).cross(v2 - v0);
         let speed = normal.dot(self.ray.direction());
@@ -99,17 +106,16 @@ impl ShearedRay {
         // A plane that the ray nearly runs along can be met anywhere between the triangle's own nearest and farthest corner.
         let is_edge_on = speed.abs() <= EDGE_ON * normal.length() * direction.length();
         let distance = if is_edge_on { to_plane.max(nearest.max(f64::MIN_POSITIVE)).min(farthest) } else { to_plane };
-        if !(distance > 0.0 && distance < self.ray.end()) {
-            return None;
+        if !(distance > 0.0 && distance < self.ray.end()) || self.ends_on(corners) {
+            return false;
         }
         // Sheared along the direction, a step across the ray becomes longer by at most the direction's length, whose largest component is 1.
         let radius = clearance.at(distance, self.ray.end()) * direction.length();
         let twice_area = (across[1] - across[0]).perp_dot(across[2] - across[0]);
         let side = if twice_area < 0.0 { -1.0 } else { 1.0 };
-        let is_near = (0..3).all(|i| {
+        (0..3).all(|i| {
             let (from, to) = (across[i], across[(i + 1) % 3]);
             side * from.perp_dot(to) >= -radius * (to - from).length()
-        });
-        is_near.then_some(Hit { triangle, distance, u: 1.0 / 3.0, v: 1.0 / 3.0, is_back: speed > 0.0 })
+        })
     }
 }

@@ -26,7 +26,7 @@ impl Ray {
     #[must_use]
     pub fn along(origin: DVec3, direction: DVec3) -> Self {
         let longest = direction.abs().max_element();
-        let end = if longest > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        let end = if direction.is_finite() && longest > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
         Self { origin, direction: scaled(direction, longest), end, left: NO_TRIANGLE }
     }
 
@@ -35,7 +35,7 @@ impl Ray {
     pub fn between(origin: DVec3, target: DVec3) -> Self {
         let direction = target - origin;
         let longest = direction.abs().max_element();
-        let end = if longest > 0.0 { longest } else { f64::NEG_INFINITY };
+        let end = if direction.is_finite() && longest > 0.0 { longest } else { f64::NEG_INFINITY };
         Self { origin, direction: scaled(direction, longest), end, left: NO_TRIANGLE }
     }
 

@@ -157,9 +157,17 @@ fn what_cannot_be_met_is_not() {
     let scene = scene(soup(&flat));
     let tracer = Tracer::new(&scene, 1).expect("a thread starts");
     assert_eq!((tracer.triangle_count(), scene.triangles().len()), (0, 2), "triangles without an area are not there");
+    assert_eq!(tracer.rays().closest(Ray::along(DVec3::NEG_X, DVec3::X)), None);
+
+    let wall = self::scene(soup(&[Vec3::new(1.0, -9.0, -9.0), Vec3::new(1.0, 9.0, -9.0), Vec3::new(1.0, 0.0, 9.0)]));
+    let tracer = Tracer::new(&wall, 1).expect("a thread starts");
     let mut rays = tracer.rays();
-    for direction in [DVec3::X, DVec3::ZERO, DVec3::NAN, DVec3::splat(f64::INFINITY)] {
-        assert_eq!(rays.closest(Ray::along(DVec3::NEG_X, direction)), None);
+    assert!(rays.is_blocked(Ray::along(DVec3::ZERO, DVec3::X)), "a ray that has a direction meets it");
+    for direction in
+        [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::new(f64::INFINITY, 0.0, 0.0), DVec3::new(1.0, f64::NAN, 0.0)]
+    {
+        assert_eq!(rays.closest(Ray::along(DVec3::ZERO, direction)), None, "{direction}");
+        assert_eq!(rays.closest(Ray::between(DVec3::ZERO, direction)), None, "{direction}");
     }
     assert!(!rays.is_blocked(Ray::between(DVec3::ONE, DVec3::ONE)), "a ray without a length meets nothing");
 }

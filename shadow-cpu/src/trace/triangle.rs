@@ -82,15 +82,27 @@ impl ShearedRay {
         if above.abs() <= rounding || !(distance > 0.0 && distance <= self.nearest) {
             return None;
         }
-        // The end of a ray toward a light may lie on a surface too, which then does not stand in the way.
-        let end = self.ray.end();
-        if end < f64::INFINITY {
-            let to_end = from_plane.abs().max_element() + end;
-            if (above + end * speed).abs() <= PLANE_ROUNDING * one_norm(e1) * one_norm(e2) * to_end {
-                return None;
-            }
+        if self.ends_on([v0, v1, v2]) {
+            return None;
         }
         Some(Hit { triangle, distance, u: w1 / sum, v: w2 / sum, is_back: speed > 0.0 })
+    }
+}
+
+impl ShearedRay {
+    /// Whether the ray ends on a triangle's plane, as far as rounding can tell: a light may lie on a surface, which then does not stand in the way.
+    #[inline(always)]
+    pub(super) fn ends_on(&self, [v0, v1, v2]: [DVec3; 3]) -> bool {
+        let end = self.ray.end();
+        if end == f64::INFINITY {
+            return false;
+        }
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let normal = e1.cross(e2);
+        let from_plane = self.ray.origin() - v0;
+        let to_end = from_plane.abs().max_element() + end;
+        let above_at_end = normal.dot(from_plane) + end * normal.dot(self.ray.direction());
+        above_at_end.abs() <= PLANE_ROUNDING * one_norm(e1) * one_norm(e2) * to_end
     }
 }
 

@@ -41,30 +41,30 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f
     return slope * texels + (rounding_depth.x + rounding_depth.y / w);
 }
 
-fn depth_bias(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+fn depth_bias(light: u32, view: u32, needed: f32, w: f32) -> f32 {
     if lights[light].bias == BIAS_NONE {
         return 0.0;
     }
     var bias = metres_to_depth(view, w, lights[light].bias_metres);
     if lights[light].bias != BIAS_CONSTANT {
-        bias = bias + needed_depth(light, view, point, normal, w);
+        bias = bias + needed;
     }
     return min(bias, MAX_DEPTH_BIAS);
 }
 
-fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
-    if lights[light].bias != BIAS_AUTOMATIC {
+fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, needed: f32, w: f32) -> f32 {
+    if lights[light].bias != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS) {
         return 0.0;
     }
     let toward = toward_light(light, point);
     let height = dot3(normal, toward);
     let is_steep = dot3(toward, toward) > (OFFSET_SLOPE * OFFSET_SLOPE + 1.0) * (height * height);
-    let needed = needed_depth(light, view, point, normal, w) * height;
+    let needed_at_height = needed * height;
     let along = dot3(normal, views[view].clip_w.xyz);
-    let rest = views[view].depth_factor - needed * along;
+    let rest = views[view].depth_factor - needed_at_height * along;
     // Nothing is left of the factor where no step along the normal would be enough: the depth bias then is.
     if is_steep && rest > 0.0 {
-        return needed * w / rest;
+        return needed_at_height * w / rest;
     }
     return 0.0;
 }

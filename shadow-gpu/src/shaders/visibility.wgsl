@@ -46,8 +46,9 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
         return known_lookup(1.0);
     }
     let normal = unit_normal(receiver.normal);
-    let offset = normal_offset(light, view, receiver.point, normal, receiver_w);
-    var bias = depth_bias(light, view, receiver.point, receiver.normal, receiver_w);
+    let needed = needed_depth(light, view, receiver.point, receiver.normal, receiver_w);
+    let offset = normal_offset(light, view, receiver.point, normal, needed, receiver_w);
+    var bias = depth_bias(light, view, needed, receiver_w);
     if offset > 0.0 {
         bias = 0.0;
     }

@@ -382,7 +382,7 @@ pub(super) fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3,
     } else {
         view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
     };
-    let mut magnitude = depth_bias(light, view, point, normal, w) + reach;
+    let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w), w) + reach;
     if light.bias == BIAS_SLOPE || light.bias == BIAS_AUTOMATIC {
         let gradient = magnitude_of_gradient(view, point, normal);
         let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
@@ -403,8 +403,10 @@ pub(super) fn magnitude_of_need(light: &LightPlan, view: &ViewPlan, point: Vec3,
     let along = normal.dot(Vec3::new(view.clip_w[0], view.clip_w[1], view.clip_w[2]));
     let rest = view.depth_factor - needed_depth(light, view, point, normal, w) * height * along;
     let rest_scale = view.depth_factor + needed * height_scale;
-    let is_choice =
-        (toward.dot(toward) - limit).abs() <= 1e-4 * limit || is_tie(rest, rest_scale) || is_tie(height, height_scale);
+    let is_choice = is_tie(needed_depth(light, view, point, normal, w) - MAX_DEPTH_BIAS, needed)
+        || (toward.dot(toward) - limit).abs() <= 1e-4 * limit
+        || is_tie(rest, rest_scale)
+        || is_tie(height, height_scale);
     let offset =
         if is_choice { f32::INFINITY } else { (needed * height_scale * w / rest).abs() * (1.0 + rest_scale / rest.abs()) };
     [needed, offset]

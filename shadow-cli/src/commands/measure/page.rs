@@ -95,8 +95,10 @@ pub(super) fn html(report: &Report<'_>, shown: &[Shown], truth: &[[f32; 4]]) -> 
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n\
          <title>Shadows of {scene}, measured</title>\n<style>\n{STYLE}</style></head><body>\n\
          <h1>Shadows of {scene}, measured against the truth</h1>\n\
-         <p>{} triangles, {width} x {height} pixels, rendered on {}{adapter}. The truth is traced in double precision; lights that have a size take {} rays a pixel.</p>\n",
-        report.triangles, report.backend, report.light_samples
+         <p>{} triangles, {width} x {height} pixels, rendered on {}{adapter}. The truth is traced in double precision{}.</p>\n",
+        report.triangles,
+        report.backend,
+        report.light_samples.map_or_else(String::new, |count| format!("; lights that have a size take {count} rays a pixel"))
     );
     for note in report.notes {
         page.push_str(&format!("<p class=\"note\">{}</p>\n", escaped(note)));
