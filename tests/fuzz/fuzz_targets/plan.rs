@@ -77,6 +77,7 @@ enum AnyBias {
     None,
     Constant { metres: Number },
     Slope { scale: Number, metres: Number },
+    Automatic,
 }
 
 fn point(vector: &Vector) -> DVec3 {
@@ -127,6 +128,7 @@ fn settings(input: &Input) -> ShadowSettings {
         filter: if input.filter_hard { Filter::Hard } else { Filter::Bilinear },
         bias: match input.bias {
             AnyBias::None => Bias::None,
+            AnyBias::Automatic => Bias::Automatic,
             AnyBias::Constant { metres } => Bias::Constant { metres: metres.f32() },
             AnyBias::Slope { scale, metres } => Bias::Slope { scale: scale.f32(), metres: metres.f32() },
         },
