@@ -4,7 +4,7 @@ use shadow_math::{
     filter::{bilinear_corner, bilinear_mean},
     fit::cube_face_of,
     glam::Vec2,
-    plan::{FILTER_BILINEAR, LightPlan, SPLIT_SINGLE, ViewPlan, toward_light},
+    plan::{FILTER_BILINEAR, FILTER_HARD, LightPlan, SPLIT_SINGLE, ViewPlan, toward_light},
     visibility::{NO_VIEW, lookup_in_view, visibility},
 };
 
@@ -27,7 +27,7 @@ struct Lookups {
     stored: [Numbers; 4],
 }
 
-/// Bilinear tests of lights with a single view, which most are, go through vectors, and those of a point light where a whole span falls
+/// Tests of lights with a single view, which most are, go through vectors, and those of a point light where a whole span falls
 /// into one face. For what is left one pixel after the other gives the same.
 #[inline(always)]
 pub(crate) fn span_visibility(
@@ -38,10 +38,10 @@ pub(crate) fn span_visibility(
     count: usize,
     out: &mut Numbers,
 ) {
-    let view = if light.filter == FILTER_BILINEAR { common_view(light, hits, count) } else { None };
-    match view {
-        Some(view) => vector_visibility(light, &views[view as usize], maps, hits, out),
-        None => {
+    match (common_view(light, hits, count), light.filter) {
+        (Some(view), FILTER_BILINEAR) => vector_visibility::<true>(light, &views[view as usize], maps, hits, out),
+        (Some(view), FILTER_HARD) => vector_visibility::<false>(light, &views[view as usize], maps, hits, out),
+        _ => {
             for i in 0..count {
                 out[i] = visibility(light, views, maps, &hits.receiver(i));
             }
@@ -63,8 +63,15 @@ fn common_view(light: &LightPlan, hits: &Hits, count: usize) -> Option<u32> {
     is_common.then_some(light.first_view + first)
 }
 
+/// Four tests a pixel with `BILINEAR`, else one.
 #[inline(always)]
-fn vector_visibility(light: &LightPlan, view: &ViewPlan, maps: &ShadowMaps, hits: &Hits, out: &mut Numbers) {
+fn vector_visibility<const BILINEAR: bool>(
+    light: &LightPlan,
+    view: &ViewPlan,
+    maps: &ShadowMaps,
+    hits: &Hits,
+    out: &mut Numbers,
+) {
     let (light, view) = (*light, *view);
     let mut lookups = Lookups {
         known: [0.0; SPAN],
@@ -80,7 +87,7 @@ fn vector_visibility(light: &LightPlan, view: &ViewPlan, maps: &ShadowMaps, hits
         let receiver = hits.receiver(i);
         let faces_light = receiver.normal.dot(toward_light(&light, receiver.point)) > 0.0;
         let lookup = lookup_in_view(&light, &view, 0, &receiver);
-        let (x, y, fraction) = bilinear_corner(lookup.texel);
+        let (x, y, fraction) = if BILINEAR { bilinear_corner(lookup.texel) } else { hard_texel(lookup.texel) };
         lookups.known[i] = if faces_light { lookup.known } else { 0.0 };
         lookups.asks[i] = -i32::from(faces_light & (lookup.view != NO_VIEW));
         lookups.x[i] = x;
@@ -89,6 +96,15 @@ fn vector_visibility(light: &LightPlan, view: &ViewPlan, maps: &ShadowMaps, hits
         lookups.fraction[1][i] = fraction.y;
         lookups.depth[i] = lookup.depth;
         lookups.bias[i] = lookup.bias;
+    }
+    if !BILINEAR {
+        fetch_single(&view, maps, &mut lookups);
+        for i in 0..SPAN {
+            let is_lit = lookups.depth[i] <= lookups.stored[0][i] + lookups.bias[i];
+            let test = if is_lit { 1.0 } else { 0.0 };
+            out[i] = if lookups.asks[i] < 0 { test } else { lookups.known[i] };
+        }
+        return;
     }
     fetch(&view, maps, &mut lookups);
     for i in 0..SPAN {
@@ -100,6 +116,28 @@ fn vector_visibility(light: &LightPlan, view: &ViewPlan, maps: &ShadowMaps, hits
         let fraction = Vec2::new(lookups.fraction[0][i], lookups.fraction[1][i]);
         let mean = bilinear_mean(tests[0], tests[1], tests[2], tests[3], fraction);
         out[i] = if lookups.asks[i] < 0 { mean } else { lookups.known[i] };
+    }
+}
+
+/// The texel that a place lies in, in the form of [`bilinear_corner`].
+#[inline(always)]
+fn hard_texel(texel: Vec2) -> (i32, i32, Vec2) {
+    (texel.x.floor() as i32, texel.y.floor() as i32, Vec2::ZERO)
+}
+
+/// Fetches the texel of each lookup that asks. One outside the view's rectangle is infinitely far: it counts as lit.
+#[inline(always)]
+fn fetch_single(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
+    let size = maps.size as usize;
+    let layer: &[f32] = &maps.layers[view.layer as usize];
+    let [left, top, width, height] = view.rect.map(|side| side as i32);
+    for i in 0..SPAN {
+        if lookups.asks[i] == 0 {
+            continue;
+        }
+        let (x, y) = (lookups.x[i], lookups.y[i]);
+        let is_inside = x >= left && y >= top && x < left + width && y < top + height;
+        lookups.stored[0][i] = if is_inside { layer[y as usize * size + x as usize] } else { f32::INFINITY };
     }
 }
 
