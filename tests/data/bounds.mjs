@@ -10,33 +10,11 @@ import path from 'node:path';
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
+import { read } from './gltf.mjs';
 
-globalThis.ProgressEvent ??= class {};
 console.warn = () => {};
 
 const folder = process.argv[2];
-
-// The file without its textures, which need a browser, and with all buffers inside.
-function read(file) {
-  const bytes = fs.readFileSync(file);
-  let json;
-  let bin;
-  if (bytes.toString('latin1', 0, 4) === 'glTF') {
-    const length = bytes.readUInt32LE(12);
-    json = JSON.parse(bytes.toString('utf8', 20, 20 + length));
-    bin = bytes.subarray(28 + length);
-  } else {
-    json = JSON.parse(bytes.toString('utf8'));
-  }
-  for (const key of ['materials', 'textures', 'images', 'samplers']) delete json[key];
-  for (const mesh of json.meshes ?? []) for (const primitive of mesh.primitives) delete primitive.material;
-  for (const buffer of json.buffers ?? []) {
-    if (buffer.uri?.startsWith('data:') || (buffer.uri === undefined && bin === undefined)) continue;
-    const content = buffer.uri === undefined ? bin : fs.readFileSync(path.join(path.dirname(file), decodeURIComponent(buffer.uri)));
-    buffer.uri = 'data:application/octet-stream;base64,' + content.subarray(0, buffer.byteLength).toString('base64');
-  }
-  return json;
-}
 
 // glTF demands rotations of unit length. Some files have them to a few digits only, and three.js takes them as they are.
 function normalize(json) {

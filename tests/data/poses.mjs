@@ -5,12 +5,10 @@
 //
 // three.js interpolates, places nodes and skins vertices with code of its own, in double precision but for the interpolated
 // numbers themselves, which it rounds to single precision.
-import fs from 'node:fs';
 import path from 'node:path';
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-
-globalThis.ProgressEvent ??= class {};
+import { read } from './gltf.mjs';
 
 // File, number of the animation, times in seconds: on keys, between them, and beyond the end.
 const CASES = [
@@ -37,27 +35,7 @@ const CASES = [
   ['asset_generator/Animation_SkinType/Animation_SkinType_02.gltf', 0, [0.8]],
 ];
 
-// The file without its materials, which need a browser, and with all buffers inside.
-function load(file) {
-  const bytes = fs.readFileSync(file);
-  let json;
-  let bin;
-  if (bytes.toString('latin1', 0, 4) === 'glTF') {
-    const length = bytes.readUInt32LE(12);
-    json = JSON.parse(bytes.toString('utf8', 20, 20 + length));
-    bin = bytes.subarray(28 + length);
-  } else {
-    json = JSON.parse(bytes.toString('utf8'));
-  }
-  for (const key of ['materials', 'textures', 'images', 'samplers']) delete json[key];
-  for (const mesh of json.meshes ?? []) for (const primitive of mesh.primitives) delete primitive.material;
-  for (const buffer of json.buffers) {
-    if (buffer.uri?.startsWith('data:')) continue;
-    const content = buffer.uri === undefined ? bin : fs.readFileSync(path.join(path.dirname(file), decodeURIComponent(buffer.uri)));
-    buffer.uri = 'data:application/octet-stream;base64,' + content.subarray(0, buffer.byteLength).toString('base64');
-  }
-  return new Promise((resolve, reject) => new GLTFLoader().parse(JSON.stringify(json), '', resolve, reject));
-}
+const load = (file) => new GLTFLoader().parseAsync(JSON.stringify(read(file)), '');
 
 // glTF demands rotations of unit length. SimpleSkin has them to 3 digits only, and three.js takes them as they are.
 function normalize(track) {
