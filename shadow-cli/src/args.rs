@@ -264,6 +264,20 @@ pub(crate) struct MachineArgs {
     pub(crate) threads: u32,
 }
 
+/// Which renderer, and how rays are sent to lights: the choices of commands that render with one backend and may trace.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct RenderingArgs {
+    /// What renders
+    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
+    pub(crate) backend: Backend,
+
+    /// Rays of the tracer to each light that has a size: a square number from 1 to 4096 [default: 64]
+    ///
+    /// They are spread over the light, one in each cell of a square grid. A light without a size takes a single ray.
+    #[arg(long, value_name = "N", value_parser = light_samples, help_heading = "Backend")]
+    pub(crate) light_samples: Option<Sampling>,
+}
+
 /// `shadow render`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct RenderArgs {
@@ -285,15 +299,9 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "FILE", default_value = "shadow.png", help_heading = "Picture")]
     pub(crate) output: PathBuf,
 
-    /// What renders
-    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
-    pub(crate) backend: Backend,
-
-    /// Rays of the trace backend to each light that has a size: a square number from 1 to 4096 [default: 64]
-    ///
-    /// They are spread over the light, one in each cell of a square grid. A light without a size takes a single ray.
-    #[arg(long, value_name = "N", value_parser = light_samples, help_heading = "Backend")]
-    pub(crate) light_samples: Option<Sampling>,
+    /// The backend, and how the tracer samples.
+    #[command(flatten)]
+    pub(crate) rendering: RenderingArgs,
 
     /// Adapter and threads.
     #[command(flatten)]
@@ -423,15 +431,9 @@ pub(crate) struct MeasureArgs {
     )]
     pub(crate) settings: Vec<PathBuf>,
 
-    /// What renders
-    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
-    pub(crate) backend: Backend,
-
-    /// Rays to each light that has a size: a square number from 1 to 4096 [default: 64]
-    ///
-    /// They are spread over the light, one in each cell of a square grid. A light without a size takes a single ray.
-    #[arg(long, value_name = "N", value_parser = light_samples, help_heading = "Backend")]
-    pub(crate) light_samples: Option<Sampling>,
+    /// The backend, and how the tracer samples.
+    #[command(flatten)]
+    pub(crate) rendering: RenderingArgs,
 
     /// Adapter and threads.
     #[command(flatten)]
@@ -547,7 +549,7 @@ mod tests {
         let Command::Render(args) = parse("shadow").unwrap().into_command().unwrap() else { panic!("not render") };
         assert_eq!(args.picture.scene.source, None);
         assert_eq!(args.output, PathBuf::from("shadow.png"));
-        assert_eq!((args.backend, args.show), (Backend::Cpu, Show::Color));
+        assert_eq!((args.rendering.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
             (args.picture.filter, args.picture.bias, args.picture.map_size),
             (FilterName::Bilinear, BiasName::Automatic, 2048)

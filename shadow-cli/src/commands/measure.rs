@@ -137,18 +137,18 @@ struct Shown {
 /// Measures and reports.
 pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
-    if args.backend == Backend::Trace {
+    if args.rendering.backend == Backend::Trace {
         return Err(CliError::MeasureTrace);
     }
     // The tracer has threads of its own, whatever renders.
-    check_machine(&args.machine, &[args.backend, Backend::Trace], &console)?;
+    check_machine(&args.machine, &[args.rendering.backend, Backend::Trace], &console)?;
     let from_files = args.settings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
-    let mut job = Job { light_samples: args.light_samples, ..Job::resolve(&args.picture, &console)? };
+    let mut job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &console)? };
     let techniques = techniques(&job, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {
         job.plan = plan.clone();
-        memory::check(&job, Work::Measure(args.backend, if args.report.is_some() { plans.len() } else { 1 }))?;
+        memory::check(&job, Work::Measure(args.rendering.backend, if args.report.is_some() { plans.len() } else { 1 }))?;
     }
     if let Some(folder) = &args.report {
         make_folder(folder)?;
@@ -162,7 +162,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     let tracer = Tracer::new(&job.scene, args.machine.threads as usize)?;
     let camera = &job.plan.camera;
     let view = CameraView::new(&job.camera, camera.width, camera.height);
-    let (backend, _) = OpenBackend::open(args.backend, &job, &args.machine, RasterRules::default(), &console)?;
+    let (backend, _) = OpenBackend::open(args.rendering.backend, &job, &args.machine, RasterRules::default(), &console)?;
     let steps_each = u64::from(args.frames) + u64::from(WARM_UP) + 1 + Motions::COUNT as u64;
     console.bar(3 * u64::from(camera.height) + steps_each * techniques.len() as u64);
     console.stage("tracing the truth");
@@ -207,7 +207,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
         triangles: job.scene.triangles().len(),
         width: camera.width,
         height: camera.height,
-        backend: args.backend.name(),
+        backend: args.rendering.backend.name(),
         adapter: backend.adapter().map(|adapter| adapter.name.clone()),
         light_samples: has_sized_light(&job.scene).then(|| judge.lights().sampling.count()),
         techniques: reports,

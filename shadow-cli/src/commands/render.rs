@@ -81,21 +81,21 @@ impl From<StageTimes> for Milliseconds {
 pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     let format = check_output_path(&args.output)?;
     let console = Console::new(args.json);
-    check_machine(&args.machine, &[args.backend], &console)?;
-    if args.light_samples.is_some() && args.backend != Backend::Trace {
+    check_machine(&args.machine, &[args.rendering.backend], &console)?;
+    if args.rendering.light_samples.is_some() && args.rendering.backend != Backend::Trace {
         return Err(CliError::LightSamplesOfMaps);
     }
-    let job = Job { light_samples: args.light_samples, ..Job::resolve(&args.picture, &console)? };
+    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &console)? };
     let layer = job.layer(&args.show)?;
-    if args.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
+    if args.rendering.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
         return Err(CliError::MapOfTrace);
     }
-    if args.backend != Backend::Trace && has_sized_light(&job.scene) {
+    if args.rendering.backend != Backend::Trace && has_sized_light(&job.scene) {
         console.note("shadow maps are drawn for a light's centre, so that its shadows are hard; --backend trace shows its size");
     }
-    memory::check(&job, Work::Render(args.backend, layer, format))?;
+    memory::check(&job, Work::Render(args.rendering.backend, layer, format))?;
 
-    let rendered = args.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
+    let rendered = args.rendering.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
     console.stage(format!("writing {}", args.output.display()));
     match format {
@@ -110,7 +110,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     let report = Report {
         scene: &job.scene_name,
         notes: &job.notes,
-        backend: args.backend.name(),
+        backend: args.rendering.backend.name(),
         adapter: rendered.adapter.as_ref().map(|adapter| adapter.name.as_str()),
         triangles: job.scene.triangles().len(),
         width: shown.width,
