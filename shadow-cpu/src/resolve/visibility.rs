@@ -97,24 +97,15 @@ fn vector_visibility<const BILINEAR: bool>(
         lookups.depth[i] = lookup.depth;
         lookups.bias[i] = lookup.bias;
     }
-    if !BILINEAR {
-        fetch_single(&view, maps, &mut lookups);
-        for i in 0..SPAN {
-            let is_lit = lookups.depth[i] <= lookups.stored[0][i] + lookups.bias[i];
-            let test = if is_lit { 1.0 } else { 0.0 };
-            out[i] = if lookups.asks[i] < 0 { test } else { lookups.known[i] };
-        }
-        return;
-    }
-    fetch(&view, maps, &mut lookups);
+    fetch::<BILINEAR>(&view, maps, &mut lookups);
     for i in 0..SPAN {
         let mut tests = [0.0; 4];
-        for tap in 0..4 {
+        for tap in 0..if BILINEAR { 4 } else { 1 } {
             let is_lit = lookups.depth[i] <= lookups.stored[tap][i] + lookups.bias[i];
             tests[tap] = if is_lit { 1.0 } else { 0.0 };
         }
         let fraction = Vec2::new(lookups.fraction[0][i], lookups.fraction[1][i]);
-        let mean = bilinear_mean(tests[0], tests[1], tests[2], tests[3], fraction);
+        let mean = if BILINEAR { bilinear_mean(tests[0], tests[1], tests[2], tests[3], fraction) } else { tests[0] };
         out[i] = if lookups.asks[i] < 0 { mean } else { lookups.known[i] };
     }
 }
@@ -125,9 +116,9 @@ fn hard_texel(texel: Vec2) -> (i32, i32, Vec2) {
     (texel.x.floor() as i32, texel.y.floor() as i32, Vec2::ZERO)
 }
 
-/// Fetches the texel of each lookup that asks. One outside the view's rectangle is infinitely far: it counts as lit.
+/// Fetches the texels of each lookup that asks: four, or the first alone. Texels outside the view's rectangle are infinitely far: they count as lit.
 #[inline(always)]
-fn fetch_single(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
+fn fetch<const BILINEAR: bool>(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
     let size = maps.size as usize;
     let layer: &[f32] = &maps.layers[view.layer as usize];
     let [left, top, width, height] = view.rect.map(|side| side as i32);
@@ -136,23 +127,7 @@ fn fetch_single(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
             continue;
         }
         let (x, y) = (lookups.x[i], lookups.y[i]);
-        let is_inside = x >= left && y >= top && x < left + width && y < top + height;
-        lookups.stored[0][i] = if is_inside { layer[y as usize * size + x as usize] } else { f32::INFINITY };
-    }
-}
-
-/// Fetches the four texels of each lookup that asks. Texels outside the view's rectangle are infinitely far: they count as lit.
-#[inline(always)]
-fn fetch(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
-    let size = maps.size as usize;
-    let layer: &[f32] = &maps.layers[view.layer as usize];
-    let [left, top, width, height] = view.rect.map(|side| side as i32);
-    for i in 0..SPAN {
-        if lookups.asks[i] == 0 {
-            continue;
-        }
-        let (x, y) = (lookups.x[i], lookups.y[i]);
-        if x >= left && y >= top && x + 1 < left + width && y + 1 < top + height {
+        if BILINEAR && x >= left && y >= top && x + 1 < left + width && y + 1 < top + height {
             let upper = y as usize * size + x as usize;
             let lower = upper + size;
             if let (Some([a, b]), Some([c, d])) = (layer[upper..].first_chunk::<2>(), layer[lower..].first_chunk::<2>()) {
@@ -161,7 +136,8 @@ fn fetch(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut Lookups) {
                 }
             }
         } else {
-            for (tap, (dx, dy)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            let taps = if BILINEAR { 4 } else { 1 };
+            for (tap, (dx, dy)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().take(taps).enumerate() {
                 let (x, y) = (x + dx, y + dy);
                 let is_inside = x >= left && y >= top && x < left + width && y < top + height;
                 lookups.stored[tap][i] = if is_inside { layer[y as usize * size + x as usize] } else { f32::INFINITY };
