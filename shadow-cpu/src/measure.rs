@@ -34,10 +34,12 @@ mod taps;
 mod judge;
 mod regions;
 mod stability;
+mod rule;
 
 pub use self::{
     cause::{Cause, Counts},
-    judge::{Judge, JudgeError, Judgement, LightJudgement},
+    judge::{Ask, Judge, JudgeError, Judgement, LightJudgement},
     regions::Region,
+    rule::{AlongNormal, ENGINES, EngineRule, Rule},
     stability::{Moment, Stability},
 };

@@ -4,10 +4,13 @@ use core::f64::consts::SQRT_2;
 
 use glam::{DVec3, Vec3};
 use shadow_cpu::{
-    measure::{Cause, Counts, Judge, JudgeError, Judgement, Moment, Stability},
+    measure::{Cause, Counts, ENGINES, Judge, JudgeError, Judgement, Moment, Rule, Stability},
     trace::{CameraView, Sampling, SurfacePoint, Tracer},
 };
-use shadow_math::{Bias, Camera, Filter, Light, LightKind, LightShape, Projection, ShadowSettings};
+use shadow_math::{
+    Bias, Camera, Filter, Light, LightKind, LightShape, Projection, Receiver, ShadowSettings,
+    plan::{LightPlan, ViewPlan},
+};
 use shadow_scene::{
     Alpha, Frame, FramePlan, Image, LayerName, Material, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
     Wrap, builtin, builtin::shapes,
@@ -171,6 +174,32 @@ fn a_penumbra_is_an_error_and_no_cause() {
     let (hard, soft) = (judged(&scene, &settings).total(), judged(&soft, &settings).total());
     assert_eq!(hard.causes, soft.causes);
     assert!(soft.rmse() > 4.0 * hard.rmse() && hard.rmse() > 0.0, "{} and {}", hard.rmse(), soft.rmse());
+}
+
+/// The rule that is the automatic bias is judged as the renderer's frame is, and one that does nothing as no bias.
+#[test]
+fn rules_are_judged_as_the_frames_that_follow_them() {
+    let scene = still_life();
+    let tracer = Tracer::new(&scene, 0).expect("threads start");
+    let judge = judge(&tracer);
+    let three_js = ENGINES.iter().find(|engine| engine.name == "three.js").expect("it is among the engines").rule;
+    for (rule, bias) in [(Rule::Automatic { scale: 1.0 }, Bias::Automatic), (three_js, Bias::None)] {
+        let plan_of = |bias| plan(&scene, &ShadowSettings { map_size: 512, bias, ..ShadowSettings::default() });
+        let by_frame = judge.judge(&plan_of(bias), &frame(&scene, &plan_of(bias))).expect("the frame is of the judge's view");
+        // Rules are asked under one plan, that of the automatic bias.
+        let plan = plan_of(Bias::Automatic);
+        let drawn = frame(&scene, &plan);
+        let maps = cpu().shadow_maps(&cpu().prepare(&scene), &plan);
+        let ask = |light: &LightPlan, views: &[ViewPlan], receiver: &Receiver| rule.ask(light, views, receiver);
+        let by_rule = judge.judge_rule(&plan, drawn.triangles().expect("it was asked for"), &maps, &ask).total();
+        let (acne, expected) = (by_rule.count(Cause::Acne), by_frame.total().count(Cause::Acne));
+        if bias == Bias::Automatic {
+            assert_eq!(by_rule, by_frame.total());
+        } else {
+            // Guard bands differ by three texels of 512, and with them the texels.
+            assert!(acne.abs_diff(expected) * 50 < expected, "{acne} and {expected} pixels of acne");
+        }
+    }
 }
 
 /// What a fault does to a plan, a frame, or the scene that is rendered.

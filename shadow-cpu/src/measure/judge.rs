@@ -3,7 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use shadow_math::{
-    LightKind, LightShape,
+    LightKind, LightShape, MapAccess, Receiver,
+    filter::filtered_test,
     plan::{LightPlan, ViewPlan},
     triangle::pixel_ray,
     visibility::{Lookup, lookup},
@@ -181,10 +182,62 @@ impl<'a> Judge<'a> {
                 Pixels::Float(values) => Some(values.as_slice()),
                 _ => None,
             })?;
-            Ok(self.judge_light(plan, light, triangles, visibility))
+            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &lookup))
         });
         let lights = judged.collect::<Result<_, _>>()?;
         Ok(Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights })
+    }
+
+    /// Says what would be wrong if receivers asked the maps of `plan` by another rule: `ask` takes the place of
+    /// [`lookup`](shadow_math::visibility::lookup). `triangles` are those that the renderer's camera sees.
+    ///
+    /// # Panics
+    ///
+    /// If the plan, the maps or the triangles are not of the judge's scene and view.
+    #[must_use]
+    pub fn judge_rule(&self, plan: &FramePlan, triangles: &[u32], maps: &(impl MapAccess + Sync), ask: &Ask<'_>) -> Judgement {
+        let answer = |light: usize, receiver: &Receiver| {
+            let light = &plan.lights[light];
+            let found = ask(light, &plan.views, receiver);
+            let Some(view) = plan.views.get(found.view as usize) else { return found.known };
+            filtered_test(maps, view, light.filter, found.texel, found.depth, found.bias)
+        };
+        let judged = (0..plan.lights.len()).map(|light| {
+            // Where nothing is drawn, everything is lit.
+            let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, |receiver| answer(light, receiver));
+            self.judge_light(plan, light, triangles, &visibility, ask)
+        });
+        let lights = judged.collect();
+        Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights }
+    }
+
+    /// The gaps that a rule leaves: for every pixel and light whose surface faces the light and asks a map, how far in metres a shadow would begin from the foot of
+    /// a wall that stands on the surface, across the light. `triangles` and `ask` are as for [`Self::judge_rule`].
+    ///
+    /// A depth that is compared c metres before the surface, along the light, leaves a gap of `c sin`, with the angle between the normal and the light; a
+    /// step along the normal that clears as much shortens shadows by the same length.
+    #[must_use]
+    pub fn gaps(&self, plan: &FramePlan, triangles: &[u32], ask: &Ask<'_>) -> Vec<f64> {
+        let width = self.seen.view.width() as usize;
+        let scene = self.tracer.scene();
+        let gap = |pixel: usize, light: usize| {
+            let (hit, light, light_plan) = (&self.seen.hits[pixel], &scene.lights()[light], &plan.lights[light]);
+            if hit.triangle == NO_TRIANGLE || hit.triangle != triangles[pixel] {
+                return None;
+            }
+            let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
+            let point = self.tracer.surface_point(hit, self.seen.view.ray(x, y));
+            let toward = toward_center(light, point.position)?;
+            let found = ask(light_plan, &plan.views, &receiver_at(scene, plan, hit.triangle, x, y));
+            let view = plan.views.get(found.view as usize)?;
+            let taps = Taps::of(light_plan, view, &found, &point, 0.0);
+            let sine = point.normal.cross(toward).length() / toward.length();
+            Some(taps.gap_metres(light, &found) * sine)
+        };
+        let pixels = 0..self.seen.hits.len();
+        let gaps =
+            pixels.into_par_iter().flat_map_iter(|pixel| (0..plan.lights.len()).filter_map(move |light| gap(pixel, light)));
+        self.tracer.install(|| gaps.collect())
     }
 
     /// The values of a layer of the judge's size.
@@ -205,8 +258,15 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Judges the visibility of one light.
-    fn judge_light(&self, plan: &FramePlan, light: usize, triangles: &[u32], visibility: &[f32]) -> LightJudgement {
+    /// Judges the visibility of one light: `visibility` of each pixel and receiver, where there is one, which came of what it asked.
+    fn judge_light(
+        &self,
+        plan: &FramePlan,
+        light: usize,
+        triangles: &[u32],
+        visibility: &(dyn Fn(usize, Option<&Receiver>) -> f32 + Sync),
+        ask: &Ask<'_>,
+    ) -> LightJudgement {
         let width = self.seen.view.width() as usize;
         let mut causes = vec![0; triangles.len()];
         let mut errors = vec![0.0; triangles.len()];
@@ -217,8 +277,11 @@ impl<'a> Judge<'a> {
                 let mut counts = Counts::default();
                 for x in 0..width {
                     let pixel = y * width + x;
-                    let judged =
-                        self.judge_pixel(plan, light, (x as u32, y as u32), triangles[pixel], visibility[pixel], &mut rays);
+                    let triangle = triangles[pixel];
+                    let receiver =
+                        (triangle != NO_TRIANGLE).then(|| receiver_at(self.tracer.scene(), plan, triangle, x as u32, y as u32));
+                    let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask };
+                    let judged = self.judge_pixel(plan, light, (x as u32, y as u32), triangle, &answer, &mut rays);
                     let Some(JudgedPixel { cause, error, is_at_terminator }) = judged else { continue };
                     counts.judged += 1;
                     counts.at_terminator += u64::from(is_at_terminator);
@@ -248,9 +311,10 @@ impl<'a> Judge<'a> {
         light_index: usize,
         (x, y): (u32, u32),
         triangle: u32,
-        visibility: f32,
+        answer: &Answer<'_>,
         rays: &mut Rays<'_>,
     ) -> Option<JudgedPixel> {
+        let Answer { receiver, visibility, ask } = *answer;
         let scene = self.tracer.scene();
         let index = y as usize * self.seen.view.width() as usize + x as usize;
         let hit = &self.seen.hits[index];
@@ -260,11 +324,11 @@ impl<'a> Judge<'a> {
         // A visibility that is no number is as wrong as can be.
         let error = (f64::from(visibility) - truth).abs();
         let error = if error <= 1.0 { error } else { 1.0 };
-        if hit.triangle == NO_TRIANGLE || hit.triangle != triangle {
+        let Some(receiver) = receiver.filter(|_| hit.triangle == triangle) else {
             let shows_something = hit.triangle != NO_TRIANGLE || triangle != NO_TRIANGLE;
             let cause = is_wrong.then_some(Cause::Coverage);
             return shows_something.then_some(JudgedPixel { cause, error, is_at_terminator: false });
-        }
+        };
         let ray = self.seen.view.ray(x, y);
         let point = self.tracer.surface_point(hit, ray);
         let light = &scene.lights()[light_index];
@@ -276,8 +340,7 @@ impl<'a> Judge<'a> {
             if is_at_terminator {
                 return Cause::Terminator;
             }
-            let receiver = scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5));
-            let lookup = lookup(&plan.lights[light_index], &plan.views, &receiver);
+            let lookup = ask(&plan.lights[light_index], &plan.views, &receiver);
             let view = plan.views.get(lookup.view as usize);
             let corners = self.tracer.corners(triangle);
             let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
@@ -286,6 +349,22 @@ impl<'a> Judge<'a> {
         });
         Some(JudgedPixel { cause, error, is_at_terminator })
     }
+}
+
+/// What a renderer's receiver is at a pixel that shows this triangle.
+fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32, y: u32) -> Receiver {
+    scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5))
+}
+
+/// How a receiver asks the maps of a light, told all views of the frame.
+pub type Ask<'a> = dyn Fn(&LightPlan, &[ViewPlan], &Receiver) -> Lookup + Sync + 'a;
+
+/// What a pixel's receiver asked, and what came of it.
+struct Answer<'a> {
+    /// `None` where nothing is drawn.
+    receiver: Option<Receiver>,
+    visibility: f32,
+    ask: &'a Ask<'a>,
 }
 
 /// What a pixel is judged to be.

@@ -1,0 +1,209 @@
+//! Biases of others, as rules by which a receiver asks a map: to be measured beside ours on the same map and filter.
+//!
+//! A [`Rule`] moves the receiver along its normal and toward the light, and compares with a depth that is taken back by some more. Each engine's default is one
+//! such rule, in its own units; what an engine does beside it (its filter, fit and cascades) is not part of the rule. The numbers are those of the engines' sources and
+//! documents, named at each.
+
+use glam::{Vec2, Vec3};
+use shadow_math::{
+    Receiver,
+    bias::{depth_gradient, needed_depth, normal_offset},
+    fit::cube_face_of,
+    plan::{LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    vector::row_times_point,
+    visibility::{Lookup, NO_VIEW, unit_normal},
+};
+
+/// How far a rule moves a receiver along its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlongNormal {
+    /// Not at all.
+    Nothing,
+    /// By so many texels, whatever the angle.
+    Texels(f32),
+    /// By so many texels times the sine of the angle between normal and light.
+    TexelsTimesSine(f32),
+    /// By so many texels times one minus the cosine of that angle.
+    TexelsTimesOneMinusCosine(f32),
+}
+
+/// How a receiver is kept from its own shadow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// The automatic bias, with its need of depth scaled: 1 is the automatic bias itself, less is less than planes need.
+    Automatic {
+        /// The factor on h(g), snap and rounding alike.
+        scale: f32,
+    },
+    /// The same length everywhere, toward the light.
+    Metres(f32),
+    /// What engines do.
+    Engine {
+        /// A step along the normal; a texel is as wide as where the receiver is.
+        along_normal: AlongNormal,
+        /// A step toward the light, in metres.
+        toward_light: f32,
+        /// A depth that is taken off: a share of the view's range.
+        depth: f32,
+        /// A share of the stored depth that is added to it.
+        of_stored: f32,
+        /// A factor on `max(|dz/dx|, |dz/dy|)`, in texels: fixed-function polygon offset.
+        slope: f32,
+        /// A factor on `|dz/dx| + |dz/dy|`, in texels, the sum limited to a depth: the static term of a receiver plane's bias.
+        sum: f32,
+        /// The limit of that sum.
+        sum_limit: f32,
+    },
+}
+
+/// No part of an engine's rule.
+const NOTHING: Rule = Rule::Engine {
+    along_normal: AlongNormal::Nothing,
+    toward_light: 0.0,
+    depth: 0.0,
+    of_stored: 0.0,
+    slope: 0.0,
+    sum: 0.0,
+    sum_limit: f32::INFINITY,
+};
+
+/// One step of a 24-bit map, for polygon offsets whose constant is counted in units.
+const UNIT: f32 = 1.0 / 16_777_216.0;
+
+/// What an engine does by default, and where that stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineRule {
+    /// The engine.
+    pub name: &'static str,
+    /// The rule for directional and spot lights.
+    pub rule: Rule,
+    /// The rule for point lights.
+    pub rule_of_points: Rule,
+    /// What is expressed, in the engine's own terms, and what is not.
+    pub what: &'static str,
+}
+
+/// The defaults of engines.
+pub const ENGINES: [EngineRule; 6] = {
+    const fn engine(along_normal: AlongNormal, toward_light: f32, depth: f32, slope: f32) -> Rule {
+        let (of_stored, sum, sum_limit) = (0.0, 0.0, f32::INFINITY);
+        Rule::Engine { along_normal, toward_light, depth, of_stored, slope, sum, sum_limit }
+    }
+    const fn both(name: &'static str, rule: Rule, what: &'static str) -> EngineRule {
+        EngineRule { name, rule, rule_of_points: rule, what }
+    }
+    /// A square's diagonal over its side, as Bevy scales texels.
+    const SQRT_2: f32 = core::f32::consts::SQRT_2;
+    [
+        both(
+            "OGRE 13",
+            engine(AlongNormal::Nothing, 0.0, 0.5 * UNIT, 1.0),
+            "material depth_bias 0.5, slope 1; its casters' back faces are not expressed",
+        ),
+        EngineRule {
+            name: "Bevy",
+            rule: engine(AlongNormal::Texels(1.8 * SQRT_2), 0.02, 0.0, 0.0),
+            rule_of_points: engine(AlongNormal::Texels(0.6 * SQRT_2), 0.08, 0.0, 0.0),
+            what: "shadow_depth_bias 0.02 m (point 0.08), shadow_normal_bias 1.8 texels (point 0.6) times sqrt 2, at any angle",
+        },
+        both(
+            "Filament",
+            engine(AlongNormal::TexelsTimesSine(0.5), 0.001, 0.5 * UNIT, 2.0),
+            "constantBias 0.001 m, normalBias 1 (half a texel times the sine), polygon offset 0.5 and 2",
+        ),
+        both(
+            "MJP",
+            Rule::Engine {
+                along_normal: AlongNormal::Nothing,
+                toward_light: 0.0,
+                depth: 0.0,
+                of_stored: 0.0,
+                slope: 0.0,
+                sum: 1.0,
+                sum_limit: 0.01,
+            },
+            "receiver plane: its static term of a texel, at most 0.01 of the range; the plane's own correction at each tap is part of it here",
+        ),
+        both("three.js", NOTHING, "bias 0 and normalBias 0: scenes are tuned by hand"),
+        both(
+            "Godot 4",
+            engine(AlongNormal::TexelsTimesOneMinusCosine(2.0), 0.001, 0.0, 0.0),
+            "shadow_bias 0.1, which is a hundredth of that in metres, shadow_normal_bias 2 texels times one minus the cosine; its scaling by filter quality is not expressed",
+        ),
+    ]
+};
+
+impl Rule {
+    /// What a receiver asks of the maps of a light by this rule; as [`lookup`](shadow_math::visibility::lookup) otherwise.
+    #[must_use]
+    pub fn ask(&self, light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
+        let known = |known| Lookup { view: NO_VIEW, known, texel: Vec2::ZERO, depth: 0.0, bias: 0.0 };
+        let toward = toward_light(light, receiver.point);
+        if !(receiver.normal.dot(toward) > 0.0) {
+            return known(0.0);
+        }
+        let mut index = light.first_view;
+        if light.split == SPLIT_CUBE {
+            index += cube_face_of(-toward);
+        }
+        let Some(view) = views.get(index as usize) else { return known(1.0) };
+        let w = row_times_point(view.clip_w, receiver.point);
+        if w <= 0.0 {
+            return known(1.0);
+        }
+        let normal = unit_normal(receiver.normal);
+        let (step, bias) = self.step_and_bias(light, view, receiver.point, normal, toward, w);
+        let point = receiver.point + step;
+        let w = row_times_point(view.clip_w, point);
+        let ndc = Vec3::new(
+            row_times_point(view.clip_x, point),
+            row_times_point(view.clip_y, point),
+            row_times_point(view.clip_z, point),
+        ) / w;
+        let texel =
+            Vec2::new(ndc.x * view.texel_scale[0] + view.texel_offset[0], ndc.y * view.texel_scale[1] + view.texel_offset[1]);
+        let [left, top, width, height] = view.rect.map(|side| side as f32);
+        let is_inside = texel.x >= left && texel.y >= top && texel.x < left + width && texel.y < top + height;
+        if !is_inside || ndc.z < 0.0 || !(w > 0.0) {
+            return known(1.0);
+        }
+        // `z <= stored (1 + s)` is `z / (1 + s) <= stored`.
+        let of_stored = if let Self::Engine { of_stored, .. } = self { *of_stored } else { 0.0 };
+        Lookup { view: index, known: 0.0, texel, depth: ndc.z.min(1.0) / (1.0 + of_stored), bias }
+    }
+
+    /// How far the receiver is moved, in metres, and what is added to the stored depth.
+    fn step_and_bias(&self, light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, toward: Vec3, w: f32) -> (Vec3, f32) {
+        let direction = toward.normalize_or_zero();
+        match *self {
+            Self::Automatic { scale } => {
+                let needed = scale * needed_depth(light, view, point, normal, w);
+                let offset = normal_offset(light, view, point, normal, needed, w);
+                (normal * offset, if offset > 0.0 { 0.0 } else { needed.min(1.0) })
+            }
+            Self::Metres(metres) => (direction * metres, 0.0),
+            Self::Engine { along_normal, toward_light, depth, slope, sum, sum_limit, .. } => {
+                let texel = view.texel_metres[0].max(view.texel_metres[1]) * w;
+                let cosine = normal.dot(direction).clamp(0.0, 1.0);
+                let texels = match along_normal {
+                    AlongNormal::Nothing => 0.0,
+                    AlongNormal::Texels(texels) => texels,
+                    AlongNormal::TexelsTimesSine(texels) => texels * (1.0 - cosine * cosine).sqrt(),
+                    AlongNormal::TexelsTimesOneMinusCosine(texels) => texels * (1.0 - cosine),
+                };
+                let gradient = depth_gradient(view, point, normal).abs();
+                let of_slope = if slope > 0.0 { slope * gradient.max_element() } else { 0.0 };
+                let of_sum = if sum > 0.0 { (sum * gradient.element_sum()).min(sum_limit) } else { 0.0 };
+                (normal * (texels * texel) + direction * toward_light, (depth + of_slope + of_sum).min(1.0))
+            }
+        }
+    }
+}
+
+impl EngineRule {
+    /// The rule for a light of this kind.
+    #[must_use]
+    pub fn of(&self, light: &LightPlan) -> Rule {
+        if light.kind == LIGHT_POINT { self.rule_of_points } else { self.rule }
+    }
+}
