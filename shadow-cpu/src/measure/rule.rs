@@ -23,8 +23,8 @@ pub enum AlongNormal {
     Texels(f32),
     /// By so many texels times the sine of the angle between normal and light.
     TexelsTimesSine(f32),
-    /// By so many texels times one minus the cosine of that angle.
-    TexelsTimesOneMinusCosine(f32),
+    /// By so many texels times one minus the cosine of that angle, and back along the light until it is a step across it.
+    AcrossLight(f32),
 }
 
 /// How a receiver is kept from its own shadow.
@@ -127,8 +127,8 @@ pub const ENGINES: [EngineRule; 6] = {
         both("three.js", NOTHING, "bias 0 and normalBias 0: scenes are tuned by hand"),
         both(
             "Godot 4",
-            engine(AlongNormal::TexelsTimesOneMinusCosine(2.0), 0.001, 0.0, 0.0),
-            "shadow_bias 0.1, which is a hundredth of that in metres, shadow_normal_bias 2 texels times one minus the cosine; its scaling by filter quality is not expressed",
+            engine(AlongNormal::AcrossLight(2.0), 0.001, 0.0, 0.0),
+            "shadow_bias 0.1 (its shaders take a hundredth, in metres toward the light), shadow_normal_bias 2 texels times one minus the cosine, across the light; its scaling by split and filter quality is not expressed",
         ),
     ]
 };
@@ -185,16 +185,17 @@ impl Rule {
             Self::Engine { along_normal, toward_light, depth, slope, sum, sum_limit, .. } => {
                 let texel = view.texel_metres[0].max(view.texel_metres[1]) * w;
                 let cosine = normal.dot(direction).clamp(0.0, 1.0);
-                let texels = match along_normal {
-                    AlongNormal::Nothing => 0.0,
-                    AlongNormal::Texels(texels) => texels,
-                    AlongNormal::TexelsTimesSine(texels) => texels * (1.0 - cosine * cosine).sqrt(),
-                    AlongNormal::TexelsTimesOneMinusCosine(texels) => texels * (1.0 - cosine),
-                };
+                let step = texel
+                    * match along_normal {
+                        AlongNormal::Nothing => Vec3::ZERO,
+                        AlongNormal::Texels(texels) => normal * texels,
+                        AlongNormal::TexelsTimesSine(texels) => normal * (texels * (1.0 - cosine * cosine).sqrt()),
+                        AlongNormal::AcrossLight(texels) => (normal - direction * cosine) * (texels * (1.0 - cosine)),
+                    };
                 let gradient = depth_gradient(view, point, normal).abs();
                 let of_slope = if slope > 0.0 { slope * gradient.max_element() } else { 0.0 };
                 let of_sum = if sum > 0.0 { (sum * gradient.element_sum()).min(sum_limit) } else { 0.0 };
-                (normal * (texels * texel) + direction * toward_light, (depth + of_slope + of_sum).min(1.0))
+                (step + direction * toward_light, (depth + of_slope + of_sum).min(1.0))
             }
         }
     }
