@@ -17,7 +17,7 @@ use shadow_scene::Choice;
 
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
-    RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP,
+    RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
@@ -117,6 +117,14 @@ pub(crate) enum Command {
     /// counted under one cause.
     #[command(after_long_help = MEASURE_HELP)]
     Measure(MeasureArgs),
+    /// Certify the automatic bias on a scene, beside the defaults of engines
+    ///
+    /// Renders the scene with the automatic bias, judges it against rays, and asks the same maps again with less bias, with a constant one and as other
+    /// engines do by default: how much acne is left, and how far from what casts them shadows begin.
+    ///
+    /// The exit code is 0 if the automatic bias leaves no acne and 1 if it does.
+    #[command(after_long_help = TUNE_HELP)]
+    Tune(TuneArgs),
     /// Print the default settings file, with comments
     ///
     /// Prints all that a settings file can say, in TOML. Change what is to differ, leave out the rest, and give the file to
@@ -136,8 +144,8 @@ pub(crate) enum Command {
 }
 
 /// The names of the commands.
-pub(crate) const COMMANDS: [&str; 10] =
-    ["render", "compare", "bench", "info", "plan", "measure", "settings", "devices", "completions", "man"];
+pub(crate) const COMMANDS: [&str; 11] =
+    ["render", "compare", "bench", "info", "plan", "measure", "tune", "settings", "devices", "completions", "man"];
 
 /// Which scene: the choices that all commands on scenes share.
 #[derive(Debug, ClapArgs)]
@@ -234,7 +242,11 @@ pub(crate) struct PictureArgs {
     /// How depth tests are averaged
     #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::Bilinear, help_heading = "Shadows")]
     pub(crate) filter: FilterName,
+}
 
+/// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct BiasArgs {
     /// How surfaces are kept from shadowing themselves
     #[arg(long, value_enum, value_name = "BIAS", default_value_t = BiasName::Automatic, help_heading = "Shadows")]
     pub(crate) bias: BiasName,
@@ -244,6 +256,11 @@ pub(crate) struct PictureArgs {
     /// With `--bias none` and `--bias automatic` it has no meaning and is refused.
     #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
+}
+
+impl BiasArgs {
+    /// What there is to choose where nothing is chosen.
+    pub(crate) const AUTOMATIC: Self = Self { bias: BiasName::Automatic, bias_constant: None };
 }
 
 /// What renders: the choices that all commands that render share.
@@ -285,6 +302,10 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
+    /// Its bias.
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+
     /// What to draw.
     #[arg(long, value_name = "LAYER", default_value = "color", help = SHOW_HELP, long_help = SHOW_LONG_HELP, help_heading = "Picture")]
     pub(crate) show: Show,
@@ -323,6 +344,10 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
+    /// Its bias.
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+
     /// The two backends to compare
     #[arg(long, value_name = "A,B", default_value = "cpu,gpu", help_heading = "Backend")]
     pub(crate) backends: BackendPair,
@@ -353,6 +378,10 @@ pub(crate) struct BenchArgs {
     /// What picture of which scene.
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
+
+    /// Its bias.
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
 
     /// The backends to time, in turn: any of cpu, gpu and trace
     #[arg(long, value_name = "LIST", default_value = "cpu,gpu", help_heading = "Backend")]
@@ -403,6 +432,10 @@ pub(crate) struct PlanArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
+    /// Its bias.
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+
     /// Report as JSON on standard output
     ///
     /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` (whose `spec` is what
@@ -419,6 +452,10 @@ pub(crate) struct MeasureArgs {
     /// What picture of which scene.
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
+
+    /// Its bias.
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
 
     /// A settings file: a technique to measure; can be given several times [default: the technique that the options below say]
     ///
@@ -456,6 +493,40 @@ pub(crate) struct MeasureArgs {
     /// each light), `wrong`, `causes` (pixels by cause), `at_terminator` (pixels whose two normals disagree about facing the light, wrong or not), `rmse`,
     /// `milliseconds` (medians: `shadow_maps`, `camera`, `shading`, `total`), `map_bytes`, `stability` (`move`, `turn`, `zoom`, `light`: shares that change for no
     /// reason) and `lights` (for each its `name`, `pixels`, `wrong`, `causes`, `at_terminator` and `rmse`).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `shadow tune`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct TuneArgs {
+    /// What picture of which scene.
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    /// The file to write: a page to read, whose name ends in .html, or the report of --json, in .json
+    ///
+    /// The page holds everything it shows, so that it can be moved and sent. A file that is already there is replaced once the new one is
+    /// complete.
+    #[arg(short, long, value_name = "FILE", default_value = "certificate.html", help_heading = "Picture")]
+    pub(crate) output: PathBuf,
+
+    /// What renders
+    #[arg(long, value_enum, value_name = "BACKEND", default_value_t = Backend::Cpu, help_heading = "Backend")]
+    pub(crate) backend: Backend,
+
+    /// Adapter and threads.
+    #[command(flatten)]
+    pub(crate) machine: MachineArgs,
+
+    /// Report as JSON on standard output
+    ///
+    /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `backend`, `adapter` (null for the CPU), `map_size`, `filter`, `holds` (whether there is no
+    /// acne), `output` and `lights`. Each light has its `name`, `kind`, `maps`, the `acne` of the frame that was rendered, the medians of the
+    /// `needed` gap by its parts (`filter`, `snap`, `rounding`, in metres), `onset` (the shares of the automatic bias between which acne begins, `with_acne` and `without`; null where
+    /// there is none without any bias), and its `rules` and `curves` (`automatic`, `constant`), lists of biases that were tried. Each of these has its
+    /// `name`, `what` (of an engine's rule), `amount` (a share or metres, of a curve's), `acne`, `peter_panning`, `gap` (`pixels`, `median`, `percentile_95`, `max`, in
+    /// metres), `wider` (pixels whose gap is wider than that of the automatic bias) and `fails` (any of `acne` and `gap`).
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -551,7 +622,7 @@ mod tests {
         assert_eq!(args.output, PathBuf::from("shadow.png"));
         assert_eq!((args.rendering.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
-            (args.picture.filter, args.picture.bias, args.picture.map_size),
+            (args.picture.filter, args.bias.bias, args.picture.map_size),
             (FilterName::Bilinear, BiasName::Automatic, 2048)
         );
     }

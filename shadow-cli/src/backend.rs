@@ -189,7 +189,7 @@ impl<'a> OpenBackend<'a> {
     }
 
     /// Where it renders, for a sentence.
-    fn place(&self) -> &str {
+    pub(crate) fn place(&self) -> &str {
         match self {
             Self::Cpu { .. } => "the CPU",
             Self::Gpu { renderer, .. } => &renderer.adapter().name,

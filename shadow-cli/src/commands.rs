@@ -6,6 +6,7 @@ mod bench;
 mod info;
 mod plan;
 mod measure;
+mod tune;
 mod settings;
 mod devices;
 mod completions;
@@ -34,6 +35,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Info(args) => info::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Measure(args) => measure::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Settings => settings::run(),
         Command::Devices(args) => devices::run(&args),
         Command::Completions(args) => completions::run(&args),

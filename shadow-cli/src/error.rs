@@ -171,6 +171,12 @@ pub(crate) enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A certificate's name does not end in a format that it can have.
+    #[error("cannot write `{}`: a certificate is a page, whose name ends in .html, or numbers, in .json; choose one of these", path.display())]
+    CertificateFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// The output cannot be written.
     #[error("cannot write `{}`", path.display())]
     Write {

@@ -13,6 +13,8 @@ mod resolve;
 mod backend;
 mod commands;
 mod picture;
+mod page;
+mod plot;
 mod exr;
 mod output;
 mod interrupt;

@@ -37,13 +37,19 @@ impl Format {
 /// Checks, before any work is done, that a layer can be written there: its name ends in a format's and its folder exists. Gives the format.
 pub(crate) fn check_output_path(path: &Path) -> Result<Format, CliError> {
     let Some(format) = Format::of(path) else { return Err(CliError::Format { path: path.into() }) };
+    check_folder_of(path)?;
+    Ok(format)
+}
+
+/// Checks, before any work is done, that a file can be written there: its folder exists, and it is no folder itself.
+pub(crate) fn check_folder_of(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {
         return Err(CliError::Write { path: path.into(), source: io::ErrorKind::IsADirectory.into() });
     }
     let folder = folder_of(path);
     let refused = |problem: String| Err(CliError::Write { path: path.into(), source: io::Error::other(problem) });
     match fs::metadata(folder) {
-        Ok(metadata) if metadata.is_dir() => Ok(format),
+        Ok(metadata) if metadata.is_dir() => Ok(()),
         Ok(_) => refused(format!("`{}` is not a folder; choose another one", folder.display())),
         Err(error) => {
             refused(format!("the folder `{}` cannot be used: {error}; make it or choose another one", folder.display()))

@@ -1,13 +1,13 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_cpu::trace::Sampling;
-use shadow_math::{Bias, Camera, Filter, ShadowSettings};
+use shadow_math::{Bias, Camera, Filter, LightKind, ShadowSettings};
 use shadow_scene::{
     FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
 };
 
 use crate::{
-    args::{BiasName, FilterName, PictureArgs, SceneArgs},
+    args::{BiasArgs, BiasName, FilterName, PictureArgs, SceneArgs},
     console::Console,
     error::CliError,
     memory::Limit,
@@ -44,8 +44,8 @@ impl Job {
     /// Loads the scene and plans the picture. Notes about the scene are told.
     ///
     /// What does not need the scene is checked first.
-    pub(crate) fn resolve(args: &PictureArgs, console: &Console) -> Result<Self, CliError> {
-        let settings = settings(args)?;
+    pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, console: &Console) -> Result<Self, CliError> {
+        let settings = settings(args, bias)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
         let scene = with_chosen_lights(scene, args)?;
         let mut notes = notes(&scene, args.camera.is_none());
@@ -106,9 +106,18 @@ pub(crate) fn view_names(count: usize) -> Vec<String> {
     if count == CUBE_FACE_NAMES.len() { CUBE_FACE_NAMES.map(String::from).to_vec() } else { vec![String::new(); count] }
 }
 
+/// The name of a kind of light in reports.
+pub(crate) fn kind_name(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Directional { .. } => "directional",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Point { .. } => "point",
+    }
+}
+
 /// How lights are shadowed.
-fn settings(args: &PictureArgs) -> Result<ShadowSettings, CliError> {
-    let bias = match (args.bias, args.bias_constant) {
+fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliError> {
+    let bias = match (bias.bias, bias.bias_constant) {
         (BiasName::None, None) => Bias::None,
         (BiasName::Automatic, None) => Bias::Automatic,
         (BiasName::None | BiasName::Automatic, Some(metres)) => return Err(CliError::BiasConstant(metres)),
@@ -207,7 +216,7 @@ mod tests {
         let Some(Command::Plan(args)) = Args::try_parse_from(line.split_whitespace()).unwrap().command else {
             panic!("not plan")
         };
-        Job::resolve(&args.picture, &Console::new(true))
+        Job::resolve(&args.picture, &args.bias, &Console::new(true))
     }
 
     fn message(options: &str) -> String {

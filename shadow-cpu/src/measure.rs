@@ -35,11 +35,15 @@ mod judge;
 mod regions;
 mod stability;
 mod rule;
+mod gaps;
+mod trials;
 
 pub use self::{
     cause::{Cause, Counts},
+    gaps::Needs,
     judge::{Ask, Judge, JudgeError, Judgement, LightJudgement},
     regions::Region,
     rule::{AlongNormal, ENGINES, EngineRule, Rule},
     stability::{Moment, Stability},
+    trials::{Gaps, Onset, Trial, Trials},
 };

@@ -11,6 +11,7 @@ Examples:
   shadow info house.glb                         what is in the file?
   shadow plan house.glb --json                  every matrix, texel size and bias
   shadow measure house.glb --report report      how wrong are its shadows, and why?
+  shadow tune house.glb                         is the bias enough, and how wide are its gaps?
   shadow devices                                which graphics adapters there are
 
 `shadow help COMMAND` explains a command's options.
@@ -121,6 +122,36 @@ Examples:
   shadow settings > soft.toml                        # and change what is in it
   shadow measure house.glb --settings hard.toml --settings soft.toml --report report
   shadow measure house.glb --bias constant --json | jq '.techniques[].causes'";
+
+/// What the columns of `shadow tune` are, and examples.
+pub(super) const TUNE_HELP: &str = "\
+What the columns mean, light by light:
+
+  acne            pixels that shadow themselves, though they and all taps of
+                  their lookup see the light
+  peter panning   pixels that are lit since what shadows them is nearer than
+                  the bias
+  gap             how far from the foot of a wall its shadow would begin: of
+                  all pixels that ask a map the median, and what 95 of 100
+                  stay below
+  wider           the share of these pixels whose gap is wider than that of the
+                  automatic bias
+  fails           acne, where there is any; gap, where the median is wider than
+                  that of the automatic bias by more than 2 %
+
+Biases are tried on the same maps, with the same filter, for they are a matter
+of the receivers alone. Each engine's default is taken in its own units; what
+the engine does beside it (its filter, fit and cascades) is not part of it.
+
+The constant bias that was tuned is the least that leaves this picture without
+acne, found by halving: what a patient hand would arrive at, for this camera
+and this light. The automatic bias knows neither the picture nor the scene.
+
+Examples:
+  shadow tune house.glb
+  shadow tune house.glb --map-size 512 --filter hard --output hard.html
+  shadow tune house.glb --light 'point:pos=0,2,0;cd=500' --backend gpu
+  shadow tune house.glb --json --output house.json | jq '.lights[].rules[] | {name, fails}'";
 
 /// Examples for `shadow settings`.
 pub(super) const SETTINGS_EXAMPLES: &str = "\

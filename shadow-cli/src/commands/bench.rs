@@ -150,7 +150,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
     let backends = args.backends.0.as_slice();
     check_machine(&args.machine, backends, &console)?;
-    let job = Job::resolve(&args.picture, &console)?;
+    let job = Job::resolve(&args.picture, &args.bias, &console)?;
     memory::check(&job, Work::Bench(backends))?;
 
     // One after the other, so that each one's memory can be told from the other's.

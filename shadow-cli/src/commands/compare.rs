@@ -95,7 +95,7 @@ pub(super) fn contract_for(rules: DriverRules) -> Contract {
 /// Renders with both backends, compares and reports.
 pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
-    let job = Job::resolve(&args.picture, &console)?;
+    let job = Job::resolve(&args.picture, &args.bias, &console)?;
     let backends = [args.backends.first, args.backends.second];
     memory::check(&job, Work::Compare(backends))?;
     if let Some(folder) = &args.output {

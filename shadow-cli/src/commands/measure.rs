@@ -143,7 +143,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     // The tracer has threads of its own, whatever renders.
     check_machine(&args.machine, &[args.rendering.backend, Backend::Trace], &console)?;
     let from_files = args.settings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
-    let mut job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &console)? };
+    let mut job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, &console)? };
     let techniques = techniques(&job, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {

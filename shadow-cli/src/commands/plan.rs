@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 use shadow_math::{
-    Filter, Fit, LightKind, Store,
+    Filter, Fit, Store,
     plan::{BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, LightPlan, SPLIT_CUBE, ViewPlan},
 };
 use shadow_scene::SceneLight;
@@ -13,7 +13,7 @@ use crate::{
     args::PlanArgs,
     console::{Console, print, print_json, table},
     error::CliError,
-    resolve::{Job, view_names},
+    resolve::{Job, kind_name, view_names},
     specs::spec_of,
 };
 
@@ -134,11 +134,7 @@ impl<'a> LightReport<'a> {
         Self {
             light,
             name: &scene_light.name,
-            kind: match scene_light.light.kind {
-                LightKind::Directional { .. } => "directional",
-                LightKind::Spot { .. } => "spot",
-                LightKind::Point { .. } => "point",
-            },
+            kind: kind_name(&scene_light.light.kind),
             fit: job.settings.fit,
             split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
             store: job.settings.store,
@@ -183,7 +179,7 @@ fn bias_name(bias: u32) -> &'static str {
 /// Plans the picture and reports.
 pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
-    let job = Job::resolve(&args.picture, &console)?;
+    let job = Job::resolve(&args.picture, &args.bias, &console)?;
     console.finish();
     let report = Report::of(&job);
     if args.json { print_json(&report) } else { print(&text(&report)) }?;

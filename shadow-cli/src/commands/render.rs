@@ -85,7 +85,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     if args.rendering.light_samples.is_some() && args.rendering.backend != Backend::Trace {
         return Err(CliError::LightSamplesOfMaps);
     }
-    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &console)? };
+    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, &console)? };
     let layer = job.layer(&args.show)?;
     if args.rendering.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
         return Err(CliError::MapOfTrace);

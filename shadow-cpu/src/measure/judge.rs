@@ -54,8 +54,8 @@ pub enum JudgeError {
 /// What a camera truly sees of a scene and its lights.
 #[derive(Debug)]
 pub struct Judge<'a> {
-    tracer: &'a Tracer<'a>,
-    seen: Seen,
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) seen: Seen,
     lights: SeenLights,
     /// Whether each pixel sees the middle of each light, the lights of a pixel side by side; true where there is nothing.
     sees_center: Vec<bool>,
@@ -188,56 +188,30 @@ impl<'a> Judge<'a> {
         Ok(Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights })
     }
 
-    /// Says what would be wrong if receivers asked the maps of `plan` by another rule: `ask` takes the place of
+    /// Says what would be wrong with one light's visibility if receivers asked the maps of `plan` by another rule: `ask` takes the place of
     /// [`lookup`](shadow_math::visibility::lookup). `triangles` are those that the renderer's camera sees.
     ///
     /// # Panics
     ///
-    /// If the plan, the maps or the triangles are not of the judge's scene and view.
+    /// If the plan, the maps or the triangles are not of the judge's scene and view, or the scene has no such light.
     #[must_use]
-    pub fn judge_rule(&self, plan: &FramePlan, triangles: &[u32], maps: &(impl MapAccess + Sync), ask: &Ask<'_>) -> Judgement {
-        let answer = |light: usize, receiver: &Receiver| {
-            let light = &plan.lights[light];
-            let found = ask(light, &plan.views, receiver);
+    pub fn judge_rule(
+        &self,
+        plan: &FramePlan,
+        light: usize,
+        triangles: &[u32],
+        maps: &(impl MapAccess + Sync),
+        ask: &Ask<'_>,
+    ) -> LightJudgement {
+        let light_plan = &plan.lights[light];
+        let answer = |receiver: &Receiver| {
+            let found = ask(light_plan, &plan.views, receiver);
             let Some(view) = plan.views.get(found.view as usize) else { return found.known };
-            filtered_test(maps, view, light.filter, found.texel, found.depth, found.bias)
+            filtered_test(maps, view, light_plan.filter, found.texel, found.depth, found.bias)
         };
-        let judged = (0..plan.lights.len()).map(|light| {
-            // Where nothing is drawn, everything is lit.
-            let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, |receiver| answer(light, receiver));
-            self.judge_light(plan, light, triangles, &visibility, ask)
-        });
-        let lights = judged.collect();
-        Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights }
-    }
-
-    /// The gaps that a rule leaves: for every pixel and light whose surface faces the light and asks a map, how far in metres a shadow would begin from the foot of
-    /// a wall that stands on the surface, across the light. `triangles` and `ask` are as for [`Self::judge_rule`].
-    ///
-    /// A depth that is compared c metres before the surface, along the light, leaves a gap of `c sin`, with the angle between the normal and the light; a
-    /// step along the normal that clears as much shortens shadows by the same length.
-    #[must_use]
-    pub fn gaps(&self, plan: &FramePlan, triangles: &[u32], ask: &Ask<'_>) -> Vec<f64> {
-        let width = self.seen.view.width() as usize;
-        let scene = self.tracer.scene();
-        let gap = |pixel: usize, light: usize| {
-            let (hit, light, light_plan) = (&self.seen.hits[pixel], &scene.lights()[light], &plan.lights[light]);
-            if hit.triangle == NO_TRIANGLE || hit.triangle != triangles[pixel] {
-                return None;
-            }
-            let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
-            let point = self.tracer.surface_point(hit, self.seen.view.ray(x, y));
-            let toward = toward_center(light, point.position)?;
-            let found = ask(light_plan, &plan.views, &receiver_at(scene, plan, hit.triangle, x, y));
-            let view = plan.views.get(found.view as usize)?;
-            let taps = Taps::of(light_plan, view, &found, &point, 0.0);
-            let sine = point.normal.cross(toward).length() / toward.length();
-            Some(taps.gap_metres(light, &found) * sine)
-        };
-        let pixels = 0..self.seen.hits.len();
-        let gaps =
-            pixels.into_par_iter().flat_map_iter(|pixel| (0..plan.lights.len()).filter_map(move |light| gap(pixel, light)));
-        self.tracer.install(|| gaps.collect())
+        // Where nothing is drawn, everything is lit.
+        let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, answer);
+        self.judge_light(plan, light, triangles, &visibility, ask)
     }
 
     /// The values of a layer of the judge's size.
@@ -352,7 +326,7 @@ impl<'a> Judge<'a> {
 }
 
 /// What a renderer's receiver is at a pixel that shows this triangle.
-fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32, y: u32) -> Receiver {
+pub(super) fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32, y: u32) -> Receiver {
     scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5))
 }
 
@@ -424,7 +398,7 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
 }
 
 /// The vector toward the middle of a light, of any length; `None` where its light does not reach.
-fn toward_center(light: &SceneLight, point: DVec3) -> Option<DVec3> {
+pub(super) fn toward_center(light: &SceneLight, point: DVec3) -> Option<DVec3> {
     let reaches = |toward: DVec3, range: Option<f32>| range.is_none_or(|range| toward.length() <= f64::from(range));
     match light.light.kind {
         LightKind::Directional { direction } => Some(-direction.as_dvec3()),

@@ -84,7 +84,7 @@ pub struct EngineRule {
 }
 
 /// The defaults of engines.
-pub const ENGINES: [EngineRule; 6] = {
+pub const ENGINES: [EngineRule; 7] = {
     const fn engine(along_normal: AlongNormal, toward_light: f32, depth: f32, slope: f32) -> Rule {
         let (of_stored, sum, sum_limit) = (0.0, 0.0, f32::INFINITY);
         Rule::Engine { along_normal, toward_light, depth, of_stored, slope, sum, sum_limit }
@@ -95,6 +95,19 @@ pub const ENGINES: [EngineRule; 6] = {
     /// A square's diagonal over its side, as Bevy scales texels.
     const SQRT_2: f32 = core::f32::consts::SQRT_2;
     [
+        both(
+            "OGRE 1.12",
+            Rule::Engine {
+                along_normal: AlongNormal::Nothing,
+                toward_light: 0.0,
+                depth: 0.0,
+                of_stored: 0.0005,
+                slope: 0.0,
+                sum: 0.0,
+                sum_limit: f32::INFINITY,
+            },
+            "receiver's fixed bias 0.0005 of the stored depth; its gradient's scale is 0 by default",
+        ),
         both(
             "OGRE 13",
             engine(AlongNormal::Nothing, 0.0, 0.5 * UNIT, 1.0),
@@ -152,7 +165,7 @@ impl Rule {
             return known(1.0);
         }
         let normal = unit_normal(receiver.normal);
-        let (step, bias) = self.step_and_bias(light, view, receiver.point, normal, toward, w);
+        let (step, bias) = self.step_and_bias(light, view, receiver, normal, toward, w);
         let point = receiver.point + step;
         let w = row_times_point(view.clip_w, point);
         let ndc = Vec3::new(
@@ -173,11 +186,20 @@ impl Rule {
     }
 
     /// How far the receiver is moved, in metres, and what is added to the stored depth.
-    fn step_and_bias(&self, light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, toward: Vec3, w: f32) -> (Vec3, f32) {
+    fn step_and_bias(
+        &self,
+        light: &LightPlan,
+        view: &ViewPlan,
+        receiver: &Receiver,
+        normal: Vec3,
+        toward: Vec3,
+        w: f32,
+    ) -> (Vec3, f32) {
+        let point = receiver.point;
         let direction = toward.normalize_or_zero();
         match *self {
             Self::Automatic { scale } => {
-                let needed = scale * needed_depth(light, view, point, normal, w);
+                let needed = scale * needed_depth(light, view, point, receiver.normal, w);
                 let offset = normal_offset(light, view, point, normal, needed, w);
                 (normal * offset, if offset > 0.0 { 0.0 } else { needed.min(1.0) })
             }

@@ -88,9 +88,8 @@ impl<'a> Taps<'a> {
         let place = lookup.texel.as_dvec2();
         let Some(behind) = point_behind(self.view, place.to_array(), self.receiver) else { return 0.0 };
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
-        let w = row(self.view.clip_w);
-        let distance = light.light.position().map_or(w, |light| light.as_dvec3().distance(behind.position));
-        metres_of_depth(self.view, row(self.view.clip_z) / w - depth, w, distance)
+        let depth_behind = row(self.view.clip_z) / row(self.view.clip_w);
+        metres_before(light, self.view, behind.position, depth_behind - depth)
     }
 
     fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {
@@ -118,6 +117,13 @@ fn meeting_point([(a, d), (b, e), (c, f)]: [(DVec3, f64); 3]) -> Option<DVec3> {
     let determinant = a.dot(b.cross(c));
     let point = (b.cross(c) * d + c.cross(a) * e + a.cross(b) * f) / determinant;
     point.is_finite().then_some(point)
+}
+
+/// How many metres along the light's ray a depth takes up before a point.
+pub(super) fn metres_before(light: &SceneLight, view: &ViewPlan, point: DVec3, depth: f64) -> f64 {
+    let w = DVec4::from_array(view.clip_w.map(f64::from)).dot(point.extend(1.0));
+    let distance = light.light.position().map_or(w, |light| light.as_dvec3().distance(point));
+    metres_of_depth(view, depth, w, distance)
 }
 
 /// How many metres along the light's ray, which is `distance` long where the view's axis measures `w`, a depth takes up before a point there. Parallel

@@ -7,6 +7,7 @@ use shadow_scene::{Layer, LayerName, Pixels};
 use super::{CountsReport, MIB, Milliseconds, Report, Shown, TechniqueReport, percent, plot};
 use crate::{
     error::CliError,
+    page::{escaped, notes},
     picture::{Picture, encode_color},
 };
 
@@ -16,8 +17,6 @@ const REGION: u32 = 64;
 const REGIONS: usize = 4;
 /// How many times a region is magnified.
 const MAGNIFICATION: u32 = 4;
-
-const STYLE: &str = include_str!("page.css");
 
 /// The colour of a cause, for pictures and for the table's heading.
 fn color_of(cause: Cause) -> [u8; 3] {
@@ -81,28 +80,19 @@ impl Pixmap {
     }
 }
 
-/// Text in which nothing is taken for markup.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 /// The page. `truth` are the colours that the picture would have with true visibilities.
 pub(super) fn html(report: &Report<'_>, shown: &[Shown], truth: &[[f32; 4]]) -> Result<String, CliError> {
     let (width, height) = (report.width, report.height);
     let scene = escaped(report.scene);
     let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({})", escaped(adapter)));
     let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>Shadows of {scene}, measured</title>\n<style>\n{STYLE}</style></head><body>\n\
-         <h1>Shadows of {scene}, measured against the truth</h1>\n\
+        "<h1>Shadows of {scene}, measured against the truth</h1>\n\
          <p>{} triangles, {width} x {height} pixels, rendered on {}{adapter}. The truth is traced in double precision{}.</p>\n",
         report.triangles,
         report.backend,
         report.light_samples.map_or_else(String::new, |count| format!("; lights that have a size take {count} rays a pixel"))
     );
-    for note in report.notes {
-        page.push_str(&format!("<p class=\"note\">{}</p>\n", escaped(note)));
-    }
+    page.push_str(&notes(report.notes));
     page.push_str(&legend());
     page.push_str(&table(report));
     let dots: Vec<_> = report
@@ -122,8 +112,7 @@ pub(super) fn html(report: &Report<'_>, shown: &[Shown], truth: &[[f32; 4]]) -> 
     for (number, (technique, shown)) in report.techniques.iter().zip(shown).enumerate() {
         page.push_str(&technique_section(number, technique, shown, &truth)?);
     }
-    page.push_str("</body></html>\n");
-    Ok(page)
+    Ok(crate::page::page(&format!("Shadows of {}, measured", report.scene), &page))
 }
 
 fn legend() -> String {

@@ -1,0 +1,413 @@
+//! `shadow tune`: the automatic bias on a scene, certified beside what others do.
+
+mod page;
+mod tries;
+
+use std::path::Path;
+
+use serde::Serialize;
+use shadow_cpu::{
+    RasterRules,
+    measure::{Cause, Gaps, Judge, Needs, Onset, Trial, Trials},
+    trace::{CameraView, Sampling, Tracer},
+};
+use shadow_math::{Filter, MapAccess};
+use shadow_scene::{Frame, FramePlan, LayerName, Request};
+
+use self::tries::{STEPS_OF_LIGHT, Tries};
+use super::Verdict;
+use crate::{
+    args::{Backend, BiasArgs, TuneArgs},
+    backend::{OpenBackend, check_machine},
+    console::{Console, count, print, print_json, table, to_json},
+    error::CliError,
+    memory::{self, Work},
+    output::{check_folder_of, write_text},
+    resolve::{Job, kind_name},
+};
+
+/// The layers that the certificate is made of.
+const ASKED: Request = Request { camera: true, shadow_maps: true, visibility: true, color: false };
+
+/// The report for programs.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    notes: &'a [String],
+    triangles: usize,
+    width: u32,
+    height: u32,
+    backend: &'static str,
+    /// The adapter's name; null for the CPU.
+    adapter: Option<String>,
+    map_size: u32,
+    filter: Filter,
+    /// Whether the automatic bias leaves no acne.
+    holds: bool,
+    output: String,
+    lights: Vec<LightReport>,
+}
+
+/// One light's certificate.
+#[derive(Debug, Serialize)]
+struct LightReport {
+    name: String,
+    kind: &'static str,
+    maps: u32,
+    /// Pixels that shadow themselves in the frame that was rendered.
+    acne: u64,
+    needed: NeededReport,
+    /// The shares of the automatic bias between which acne begins; null if there is none without any.
+    onset: Option<OnsetReport>,
+    /// The automatic bias, the constant that was tuned, if there is one, and the engines' defaults.
+    rules: Vec<BiasReport>,
+    curves: CurvesReport,
+}
+
+/// The medians of the gap that is needed, by its parts.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct NeededReport {
+    filter: f32,
+    snap: f32,
+    rounding: f32,
+}
+
+/// As [`Onset`] has it.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct OnsetReport {
+    with_acne: f32,
+    without: f32,
+}
+
+/// Biases that differ by an amount alone.
+#[derive(Debug, Serialize)]
+struct CurvesReport {
+    /// Shares of the automatic bias.
+    automatic: Vec<BiasReport>,
+    /// Lengths in metres toward the light.
+    constant: Vec<BiasReport>,
+}
+
+/// What a bias makes of a light's shadows.
+#[derive(Debug, Serialize)]
+struct BiasReport {
+    name: String,
+    /// What of an engine's default it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    what: Option<&'static str>,
+    /// A share or a length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    amount: Option<f32>,
+    acne: u64,
+    peter_panning: u64,
+    gap: GapReport,
+    wider: u64,
+    fails: Vec<Failure>,
+}
+
+/// As [`Gaps`] has it.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct GapReport {
+    pixels: u64,
+    median: f32,
+    percentile_95: f32,
+    max: f32,
+}
+
+/// What a bias fails at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Failure {
+    /// Surfaces shadow themselves.
+    Acne,
+    /// Shadows begin farther from what casts them than they need to.
+    Gap,
+}
+
+impl Failure {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Acne => "acne",
+            Self::Gap => "gap",
+        }
+    }
+}
+
+/// By how much the median gap may exceed that of the automatic bias before a bias counts as failing: as a factor.
+const GAP_MARGIN: f32 = 1.02;
+
+impl BiasReport {
+    /// `automatic` are the gaps of the automatic bias.
+    fn new(name: String, trial: &Trial, automatic: &Gaps) -> Self {
+        let Gaps { pixels, median, percentile_95, max } = trial.gaps;
+        let mut fails = Vec::new();
+        if trial.acne() > 0 {
+            fails.push(Failure::Acne);
+        }
+        if median > GAP_MARGIN * automatic.median {
+            fails.push(Failure::Gap);
+        }
+        Self {
+            name,
+            what: None,
+            amount: None,
+            acne: trial.acne(),
+            peter_panning: trial.counts.count(Cause::PeterPanning),
+            gap: GapReport { pixels, median, percentile_95, max },
+            wider: trial.wider,
+            fails,
+        }
+    }
+}
+
+impl From<&Needs> for NeededReport {
+    fn from(needs: &Needs) -> Self {
+        let median = |gaps: &[f32]| Gaps::of(gaps).median;
+        Self { filter: median(&needs.filter), snap: median(&needs.snap), rounding: median(&needs.rounding) }
+    }
+}
+
+impl From<Onset> for OnsetReport {
+    fn from(onset: Onset) -> Self {
+        Self { with_acne: onset.with_acne, without: onset.without }
+    }
+}
+
+/// The maps of a frame, as lookups ask for them.
+struct FrameMaps<'a> {
+    layers: Vec<&'a [f32]>,
+    size: usize,
+}
+
+impl<'a> FrameMaps<'a> {
+    fn of(frame: &'a Frame, plan: &FramePlan, backend: &'static str) -> Result<Self, CliError> {
+        let views = plan.lights.iter().enumerate().flat_map(|(light, light_plan)| {
+            (0..light_plan.view_count).map(move |view| LayerName::ShadowMap { light: light as u32, view })
+        });
+        // A view's layer is its place among all views.
+        let layers = views.map(|layer| frame.floats(layer).ok_or(CliError::Layer { backend, layer }));
+        Ok(Self { layers: layers.collect::<Result<_, _>>()?, size: plan.map_size as usize })
+    }
+}
+
+impl MapAccess for FrameMaps<'_> {
+    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
+        self.layers[layer as usize][y as usize * self.size + x as usize]
+    }
+}
+
+/// What the certificate is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Page,
+    Json,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, CliError> {
+        let is = |ending: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+        if is("html") {
+            Ok(Self::Page)
+        } else if is("json") {
+            Ok(Self::Json)
+        } else {
+            Err(CliError::CertificateFormat { path: path.into() })
+        }
+    }
+}
+
+/// Certifies and reports.
+pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
+    let console = Console::new(args.json);
+    if args.backend == Backend::Trace {
+        return Err(CliError::MeasureTrace);
+    }
+    let format = Format::of(&args.output)?;
+    check_folder_of(&args.output)?;
+    // The tracer has threads of its own, whatever renders.
+    check_machine(&args.machine, &[args.backend, Backend::Trace], &console)?;
+    let job = Job::resolve(&args.picture, &BiasArgs::AUTOMATIC, &console)?;
+    memory::check(&job, Work::Measure(args.backend, 1))?;
+
+    console.stage("building the tracer's tree");
+    let tracer = Tracer::new(&job.scene, args.machine.threads as usize)?;
+    let camera = &job.plan.camera;
+    let view = CameraView::new(&job.camera, camera.width, camera.height);
+    let (backend, _) = OpenBackend::open(args.backend, &job, &args.machine, RasterRules::default(), &console)?;
+    console.stage(format!("rendering on {}", backend.place()));
+    let (frame, _) = backend.render(&job.plan, ASKED, &console)?;
+    let lights = job.scene.lights();
+    console.bar(3 * u64::from(camera.height) + STEPS_OF_LIGHT * lights.len() as u64);
+    console.stage("tracing the truth");
+    // Causes are judged by the light's centre: one ray to each is enough.
+    let judge = Judge::new(&tracer, view, Sampling { side: 1 }, &|| console.step());
+    let judgement = judge.judge(&job.plan, &frame)?;
+
+    let name = args.backend.name();
+    let missing = CliError::Layer { backend: name, layer: LayerName::Triangle };
+    let triangles = frame.triangles().ok_or(missing)?;
+    let maps = FrameMaps::of(&frame, &job.plan, name)?;
+    let trials = Trials::new(&judge, &job.plan, triangles, &maps);
+    let diagonal = 2.0 * job.scene.bounds().radius();
+    let mut reports = Vec::with_capacity(lights.len());
+    for (index, light) in lights.iter().enumerate() {
+        console.stage(format!("trying biases on light {index}"));
+        let Tries { rules, onset, curves } = Tries::on(&trials, &job.plan.lights[index], index, diagonal, &|| console.step());
+        reports.push(LightReport {
+            name: light.name.clone(),
+            kind: kind_name(&light.light.kind),
+            maps: job.plan.lights[index].view_count,
+            acne: judgement.lights[index].counts.count(Cause::Acne),
+            needed: NeededReport::from(&judge.needs(&job.plan, index, triangles)),
+            onset: onset.map(OnsetReport::from),
+            rules,
+            curves,
+        });
+    }
+    let report = Report {
+        scene: &job.scene_name,
+        notes: &job.notes,
+        triangles: job.scene.triangles().len(),
+        width: camera.width,
+        height: camera.height,
+        backend: name,
+        adapter: backend.adapter().map(|adapter| adapter.name.clone()),
+        map_size: job.settings.map_size,
+        filter: job.settings.filter,
+        holds: reports.iter().all(|light| light.acne == 0),
+        output: args.output.display().to_string(),
+        lights: reports,
+    };
+    console.stage("writing the certificate");
+    match format {
+        Format::Page => write_text(&args.output, &page::html(&report))?,
+        Format::Json => write_text(&args.output, &to_json(&report).map_err(CliError::Stdout)?)?,
+    }
+    console.finish();
+    if args.json { print_json(&report) } else { print(&text(&report)) }?;
+    Ok(if report.holds { Verdict::Done } else { Verdict::NotSo })
+}
+
+/// The headings of the table of biases.
+const HEADINGS: [&str; 7] = ["bias", "acne", "peter panning", "gap: median", "gap: 95 %", "wider", "fails"];
+
+/// The cells of a bias, in the order of [`HEADINGS`].
+fn cells(bias: &BiasReport) -> [String; 7] {
+    let GapReport { pixels, median, percentile_95, .. } = bias.gap;
+    let fails: Vec<_> = bias.fails.iter().map(|failure| failure.name()).collect();
+    [
+        bias.name.clone(),
+        bias.acne.to_string(),
+        bias.peter_panning.to_string(),
+        length(f64::from(median)),
+        length(f64::from(percentile_95)),
+        format!("{:.0} %", 100.0 * bias.wider as f64 / pixels.max(1) as f64),
+        if fails.is_empty() { "-".into() } else { fails.join(", ") },
+    ]
+}
+
+/// The report for people.
+fn text(report: &Report<'_>) -> String {
+    let mut text = String::new();
+    for (index, light) in report.lights.iter().enumerate() {
+        text.push_str(&format!("light {index}, {} `{}`, {}\n", light.kind, light.name, maps(report, light)));
+        let mut rows = vec![HEADINGS.map(String::from).to_vec()];
+        rows.extend(light.rules.iter().map(|bias| cells(bias).to_vec()));
+        text.push_str(&table(&rows, |column| column == 0 || column == 6));
+        for sentence in sentences(light) {
+            text.push_str(&sentence);
+            text.push('\n');
+        }
+        text.push('\n');
+    }
+    let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({adapter})"));
+    text.push_str(&format!("rendered on {}{adapter}, {} x {} pixels\n", report.backend, report.width, report.height));
+    text.push_str(&format!("{}\nwrote {}\n", verdict(report), report.output));
+    text
+}
+
+/// How many maps of which size a light has, and how they are filtered.
+fn maps(report: &Report<'_>, light: &LightReport) -> String {
+    let filter = format!("{:?}", report.filter).to_lowercase();
+    format!("{} of {size} x {size}, {filter}", count(light.maps as usize, "map"), size = report.map_size)
+}
+
+/// What the certificate says.
+fn verdict(report: &Report<'_>) -> String {
+    let acne: u64 = report.lights.iter().map(|light| light.acne).sum();
+    if report.holds {
+        "the automatic bias holds: no pixel shadows itself".into()
+    } else {
+        format!("the automatic bias does not hold: {} shadow themselves", count(acne as usize, "pixel"))
+    }
+}
+
+/// What the numbers of a light mean.
+fn sentences(light: &LightReport) -> Vec<String> {
+    let Some(automatic) = light.rules.first().filter(|bias| bias.gap.pixels > 0) else {
+        return vec!["no pixel faces this light and asks its map".into()];
+    };
+    let NeededReport { filter, snap, rounding } = light.needed;
+    let part = |gap: f32| length(f64::from(gap));
+    vec![
+        format!(
+            "gaps that planes need, medians over {} pixels: {} for the filter's taps, {} for the snapping of vertices, {} for rounding",
+            automatic.gap.pixels,
+            part(filter),
+            part(snap),
+            part(rounding)
+        ),
+        match light.onset {
+            Some(OnsetReport { with_acne, without }) => {
+                format!(
+                    "with {with_acne:.3} of the automatic bias there is acne in this picture, with {without:.3} and more there is none"
+                )
+            }
+            None if automatic.acne > 0 => "there is acne with the automatic bias".into(),
+            None => "this picture has no acne even without a bias".into(),
+        },
+    ]
+}
+
+/// A length with three digits and the unit that suits it; 0 for less, which rounding makes of nothing.
+fn length(metres: f64) -> String {
+    let (value, unit) = match metres {
+        m if m <= 0.0 => return "0".into(),
+        m if m < 1e-6 => (m * 1e9, "nm"),
+        m if m < 1e-3 => (m * 1e6, "µm"),
+        m if m < 1.0 => (m * 1e3, "mm"),
+        m if m < 1e3 => (m, "m"),
+        m => (m * 1e-3, "km"),
+    };
+    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
+    format!("{value:.digits$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_three_digits_and_a_unit() {
+        for (metres, text) in [
+            (0.0, "0"),
+            (-1e-8, "0"),
+            (3.21e-8, "32.1 nm"),
+            (4.5e-5, "45.0 µm"),
+            (0.00123, "1.23 mm"),
+            (0.4567, "457 mm"),
+            (12.34, "12.3 m"),
+            (4321.0, "4.32 km"),
+        ] {
+            assert_eq!(length(metres), text);
+        }
+    }
+
+    #[test]
+    fn a_certificate_is_a_page_or_json() {
+        assert_eq!(Format::of(Path::new("a/b.HTML")).ok(), Some(Format::Page));
+        assert_eq!(Format::of(Path::new("b.json")).ok(), Some(Format::Json));
+        let text = Format::of(Path::new("b.pdf")).expect_err("not a format").to_string();
+        assert!(text.contains("b.pdf") && text.contains(".html") && text.contains(".json"), "{text}");
+    }
+}

@@ -1,0 +1,142 @@
+//! Trying biases on the maps of one frame: what acne each leaves, and what gaps.
+
+use shadow_math::{MapAccess, Receiver, plan::LightPlan, plan::ViewPlan};
+use shadow_scene::FramePlan;
+
+use super::{
+    cause::{Cause, Counts},
+    judge::Judge,
+    rule::Rule,
+};
+
+/// By how much a gap may exceed that of the automatic bias and still count as no wider.
+///
+/// Both are computed from depths in f32, of which a gap is a small difference.
+const WIDER: f32 = 1.02;
+
+/// A frame's plan and maps, on which biases can be tried: the maps do not depend on the bias, which is a matter of the receivers alone.
+#[derive(Debug)]
+pub struct Trials<'a, M> {
+    judge: &'a Judge<'a>,
+    plan: &'a FramePlan,
+    triangles: &'a [u32],
+    maps: &'a M,
+    /// The gaps of the automatic bias, light by light, pixel by pixel.
+    automatic: Vec<Vec<f32>>,
+}
+
+/// What a rule makes of one light's shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// The rule.
+    pub rule: Rule,
+    /// Wrong pixels by cause.
+    pub counts: Counts,
+    /// How far shadows begin from what casts them.
+    pub gaps: Gaps,
+    /// Pixels whose gap is wider than that of the automatic bias there, by more than 2 %.
+    pub wider: u64,
+}
+
+impl Trial {
+    /// How many pixels shadow themselves.
+    #[must_use]
+    pub fn acne(&self) -> u64 {
+        self.counts.count(Cause::Acne)
+    }
+}
+
+/// Gaps in metres, over the pixels that ask a map; all 0 if none does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gaps {
+    /// How many pixels ask.
+    pub pixels: u64,
+    /// Half of the gaps are at most this.
+    pub median: f32,
+    /// 95 of 100 gaps are at most this.
+    pub percentile_95: f32,
+    /// The widest.
+    pub max: f32,
+}
+
+impl Gaps {
+    /// Of gaps pixel by pixel, those that are NaN left out.
+    #[must_use]
+    pub fn of(gaps: &[f32]) -> Self {
+        let mut gaps: Vec<f32> = gaps.iter().copied().filter(|gap| !gap.is_nan()).collect();
+        if gaps.is_empty() {
+            return Self::default();
+        }
+        let last = gaps.len() - 1;
+        let mut at = |share: f64| *gaps.select_nth_unstable_by((share * last as f64).round() as usize, f32::total_cmp).1;
+        Self { median: at(0.5), percentile_95: at(0.95), max: at(1.0), pixels: last as u64 + 1 }
+    }
+}
+
+/// Where acne begins between two amounts of a bias.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onset {
+    /// The largest amount that was tried and left acne.
+    pub with_acne: f32,
+    /// The smallest amount above it that was tried and left none.
+    pub without: f32,
+}
+
+impl<'a, M: MapAccess + Sync> Trials<'a, M> {
+    /// For a plan of the judge's scene and view, its maps, and the triangles that the renderer's camera sees.
+    ///
+    /// # Panics
+    ///
+    /// If they are not of the judge's scene and view.
+    #[must_use]
+    pub fn new(judge: &'a Judge<'a>, plan: &'a FramePlan, triangles: &'a [u32], maps: &'a M) -> Self {
+        let mut trials = Self { judge, plan, triangles, maps, automatic: Vec::new() };
+        trials.automatic = (0..plan.lights.len()).map(|light| trials.gaps(light, Rule::Automatic { scale: 1.0 })).collect();
+        trials
+    }
+
+    /// Tries a rule on a light.
+    #[must_use]
+    pub fn try_rule(&self, light: usize, rule: Rule) -> Trial {
+        let gaps = self.gaps(light, rule);
+        let is_wider = |(gap, automatic): &(&f32, &f32)| **gap > WIDER * **automatic;
+        let wider = gaps.iter().zip(&self.automatic[light]).filter(is_wider).count() as u64;
+        Trial { rule, counts: self.counts(light, rule), gaps: Gaps::of(&gaps), wider }
+    }
+
+    /// Where acne begins as an amount of bias shrinks from `without`, which leaves none, to `with_acne`, which leaves some: by halving the interval so
+    /// many times. `on_try` is called after each.
+    #[must_use]
+    pub fn onset(&self, light: usize, from: Onset, halvings: u32, rule: impl Fn(f32) -> Rule, on_try: impl Fn()) -> Onset {
+        (0..halvings).fold(from, |onset, _| {
+            let middle = 0.5 * (onset.with_acne + onset.without);
+            let has_acne = self.counts(light, rule(middle)).count(Cause::Acne) > 0;
+            on_try();
+            if has_acne { Onset { with_acne: middle, ..onset } } else { Onset { without: middle, ..onset } }
+        })
+    }
+
+    fn counts(&self, light: usize, rule: Rule) -> Counts {
+        let ask = |light: &LightPlan, views: &[ViewPlan], receiver: &Receiver| rule.ask(light, views, receiver);
+        self.judge.judge_rule(self.plan, light, self.triangles, self.maps, &ask).counts
+    }
+
+    fn gaps(&self, light: usize, rule: Rule) -> Vec<f32> {
+        let ask = |light: &LightPlan, views: &[ViewPlan], receiver: &Receiver| rule.ask(light, views, receiver);
+        self.judge.gaps(self.plan, light, self.triangles, &ask)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_those_of_pixels_that_ask() {
+        let mut gaps: Vec<f32> = (0..=100_u8).map(f32::from).collect();
+        gaps.extend([f32::NAN; 7]);
+        gaps.reverse();
+        assert_eq!(Gaps::of(&gaps), Gaps { pixels: 101, median: 50.0, percentile_95: 95.0, max: 100.0 });
+        assert_eq!(Gaps::of(&[f32::NAN]), Gaps::default());
+    }
+}
