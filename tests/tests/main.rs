@@ -9,6 +9,7 @@ mod analytic;
 mod truth;
 mod judge;
 mod acne;
+mod tune;
 mod planar_bias;
 mod limits;
 mod import;

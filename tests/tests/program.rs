@@ -9,6 +9,7 @@ use std::{
 
 use serde_json::Value;
 use shadow_gpu::DriverRules;
+use shadow_scene::compare::Contract;
 use shadow_tests::renderers;
 
 /// The program, built once in the profile of the tests.
@@ -237,6 +238,46 @@ fn measure_tells_techniques_apart() {
     assert!(text.contains("command line") && text.contains("peter panning") && text.contains("terminator"), "{text}");
 }
 
+/// The certificate holds on either backend, names where acne begins, and shows engines' defaults that fail.
+#[test]
+fn tune_certifies_the_automatic_bias() {
+    let folder = Folder::new("tune");
+    let choices = ["tune", "--size", "320x180", "--map-size", "512", "--json", "--backend"];
+    let reports = ["cpu", "gpu"].map(|backend| {
+        let page = format!("{backend}.html");
+        let report = folder.json(&[&choices[..], &[backend, "--output", &page]].concat());
+        assert_eq!(report["holds"], true, "{backend}");
+        let lights = report["lights"].as_array().expect("there are lights");
+        assert_eq!(lights.len(), 2);
+        for light in lights {
+            assert_eq!(light["acne"], 0);
+            let onset = |key: &str| light["onset"][key].as_f64().expect("acne begins somewhere");
+            assert!(onset("with_acne") < onset("without") && onset("without") <= 1.0, "{}", light["onset"]);
+            let needed = |key: &str| light["needed"][key].as_f64().expect("planes need something");
+            assert!(needed("filter") > needed("snap") && needed("snap") > 0.0 && needed("rounding") > 0.0);
+            let rules = light["rules"].as_array().expect("rules are tried");
+            let of_name = |name: &str| rules.iter().find(|rule| rule["name"] == name).expect("it is tried");
+            assert_eq!(of_name("automatic")["fails"], serde_json::json!([]));
+            assert_eq!(of_name("three.js")["fails"], serde_json::json!(["acne"]));
+            assert_eq!(of_name("Bevy")["fails"], serde_json::json!(["gap"]));
+            let curve = light["curves"]["automatic"].as_array().expect("shares are tried");
+            assert_eq!((curve.len(), &curve[0]["acne"]), (17, &of_name("three.js")["acne"]));
+        }
+        let page = std::fs::read_to_string(folder.path().join(&page)).expect("the page is there");
+        assert!(page.contains("<svg") && page.contains("Filament") && !page.contains("http"));
+        report["lights"].clone()
+    });
+    // On a driver whose rules are known the maps are the same to the bit, and with them everything that is asked of them.
+    if renderers::contract() == Contract::Exact {
+        assert_eq!(reports[0], reports[1]);
+    }
+    let alone = ["tune", "--size", "32x18", "--light", "spot:pos=0,50,0;dir=0,1,0;outer=30;cd=1", "--output", "away.json"];
+    let text = String::from_utf8_lossy(&folder.run(&alone).stdout).into_owned();
+    assert!(text.contains("no pixel faces this light") && text.contains("the automatic bias holds"), "{text}");
+    let written = std::fs::read_to_string(folder.path().join("away.json")).expect("the numbers are there");
+    assert_eq!(serde_json::from_str::<Value>(&written).expect("it is JSON")["lights"][0]["onset"], Value::Null);
+}
+
 #[test]
 fn settings_files_are_printed_and_refused_by_line() {
     let folder = Folder::new("settings");
@@ -327,6 +368,10 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["render", "--light", "directional:dir=0,-1,0;lux=1;diameter=180"], &["180", "between"]),
         (&["compare", "--backends", "cpu,trace"], &["measure"]),
         (&["measure", "--backend", "trace"], &["truth", "cpu"]),
+        (&["tune", "--backend", "trace"], &["truth", "cpu"]),
+        (&["tune", "--output", "bias.pdf"], &["bias.pdf", ".html", ".json"]),
+        (&["tune", "--output", "missing/bias.html"], &["missing"]),
+        (&["tune", "--bias", "none"], &["--bias"]),
         (&["measure", "--settings", "missing.toml"], &["missing.toml"]),
         (&["measure", "--settings", "missing.toml", "--bias", "none"], &["--settings", "--bias"]),
         (&["render", "--output", "picture.bmp"], &["bmp", ".png", ".exr"]),
@@ -351,10 +396,10 @@ fn wrong_requests_are_refused_with_a_sentence() {
 #[test]
 fn help_teaches() {
     let folder = Folder::new("help");
-    for command in ["render", "compare", "bench", "plan", "measure"] {
+    for command in ["render", "compare", "bench", "plan", "measure", "tune"] {
         let output = folder.run(&[command, "--help"]);
         let help = String::from_utf8_lossy(&output.stdout);
-        for part in ["Examples:", "--light", "--camera", "--map-size", "--bias", "lux", "cd"] {
+        for part in ["Examples:", "--light", "--camera", "--map-size", "--filter", "lux", "cd"] {
             assert!(help.contains(part), "`{part}` in the help of {command}");
         }
     }

@@ -10,8 +10,8 @@ use shadow_math::{
     bias::{depth_gradient, needed_depth, normal_offset},
     fit::cube_face_of,
     plan::{LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
-    vector::row_times_point,
-    visibility::{Lookup, NO_VIEW, unit_normal},
+    vector::{row_times_point, unit_normal},
+    visibility::{Lookup, NO_VIEW},
 };
 
 /// How far a rule moves a receiver along its normal.
@@ -228,5 +228,114 @@ impl EngineRule {
     #[must_use]
     pub fn of(&self, light: &LightPlan) -> Rule {
         if light.kind == LIGHT_POINT { self.rule_of_points } else { self.rule }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shadow_math::{
+        Light, LightKind, ShadowSettings,
+        bounds::Aabb,
+        plan::{MAX_VIEWS_PER_LIGHT, plan_light},
+        visibility::lookup,
+    };
+
+    use super::*;
+
+    /// A light that shines straight down, its view, and a receiver whose plane falls 3 to 4 along x and 1 to 4 along z.
+    fn noon() -> (LightPlan, Vec<ViewPlan>, Receiver) {
+        let bounds = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
+        let light = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
+        let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+        let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
+        let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light is planned");
+        let receiver = Receiver { point: Vec3::new(0.5, 1.0, -0.25), normal: Vec3::new(3.0, 4.0, 1.0) };
+        (plan, views[..1].to_vec(), receiver)
+    }
+
+    const NOTHING_ELSE: (f32, f32, f32, f32, f32, f32) = (0.0, 0.0, 0.0, 0.0, 0.0, f32::INFINITY);
+
+    fn engine(along_normal: AlongNormal, other: (f32, f32, f32, f32, f32, f32)) -> Rule {
+        let (toward_light, depth, of_stored, slope, sum, sum_limit) = other;
+        Rule::Engine { along_normal, toward_light, depth, of_stored, slope, sum, sum_limit }
+    }
+
+    /// What a rule asks beyond what asks without any bias: how many texels beside, how many metres nearer to the light, and the bias.
+    fn beyond_nothing(rule: Rule) -> (f32, f32, f32) {
+        let (light, views, receiver) = noon();
+        let asked = rule.ask(&light, &views, &receiver);
+        let nothing = NOTHING.ask(&light, &views, &receiver);
+        let metres = (nothing.depth - asked.depth) / views[0].depth_factor;
+        ((asked.texel - nothing.texel).length(), metres, asked.bias)
+    }
+
+    /// Depths and texels near 1 and 256, in f32, of which differences are taken.
+    fn is_near(a: f32, b: f32) -> bool {
+        (a - b).abs() < 1e-4 * b.abs() + 4e-5
+    }
+
+    #[test]
+    fn steps_are_those_of_geometry() {
+        let (_, views, receiver) = noon();
+        let texel = views[0].texel_metres[0].max(views[0].texel_metres[1]);
+        let normal = receiver.normal.normalize();
+        let (cosine, sine) = (normal.y, (1.0 - normal.y * normal.y).sqrt());
+        for (rule, texels, metres) in [
+            (Rule::Metres(0.25), 0.0, 0.25),
+            (engine(AlongNormal::Nothing, (0.25, 0.0, 0.0, 0.0, 0.0, f32::INFINITY)), 0.0, 0.25),
+            (engine(AlongNormal::Texels(8.0), NOTHING_ELSE), 8.0 * sine, 8.0 * texel * cosine),
+            (engine(AlongNormal::TexelsTimesSine(8.0), NOTHING_ELSE), 8.0 * sine * sine, 8.0 * texel * sine * cosine),
+            (engine(AlongNormal::AcrossLight(8.0), NOTHING_ELSE), 8.0 * (1.0 - cosine) * sine, 0.0),
+        ] {
+            let (found_texels, found_metres, bias) = beyond_nothing(rule);
+            let is_right = is_near(found_texels, texels) && is_near(found_metres, metres) && bias == 0.0;
+            assert!(is_right, "{rule:?}: {found_texels} {texels}, {found_metres} {metres}, {bias}");
+        }
+    }
+
+    #[test]
+    fn depths_are_those_of_the_plane() {
+        let (light, views, receiver) = noon();
+        // A texel along x the plane falls by 3/4 of it, and along z by 1/4.
+        let depth_of_texel = |axis: usize| views[0].texel_metres[axis] * views[0].depth_factor;
+        let gradients = [0.75 * depth_of_texel(0), 0.25 * depth_of_texel(1)];
+        let (steepest, sum) = (gradients[0].max(gradients[1]), gradients[0] + gradients[1]);
+        for (other, bias) in [
+            ((0.0, 0.001, 0.0, 0.0, 0.0, f32::INFINITY), 0.001),
+            ((0.0, 0.0, 0.0, 2.0, 0.0, f32::INFINITY), 2.0 * steepest),
+            ((0.0, 0.0, 0.0, 0.0, 1.5, f32::INFINITY), 1.5 * sum),
+            ((0.0, 0.0, 0.0, 0.0, 1.5, 0.5 * sum), 0.5 * sum),
+            ((0.0, 0.0, 0.0, 0.0, 0.0, f32::INFINITY), 0.0),
+        ] {
+            let (texels, metres, found) = beyond_nothing(engine(AlongNormal::Nothing, other));
+            assert!((texels, metres) == (0.0, 0.0) && (found - bias).abs() <= 1e-5 * bias, "{other:?}: {found} {bias}");
+        }
+        let stored = engine(AlongNormal::Nothing, (0.0, 0.0, 0.25, 0.0, 0.0, f32::INFINITY)).ask(&light, &views, &receiver);
+        let nothing = NOTHING.ask(&light, &views, &receiver);
+        assert!(is_near(stored.depth * 1.25, nothing.depth));
+    }
+
+    #[test]
+    fn all_of_the_automatic_rule_is_the_automatic_bias() {
+        let (light, views, receiver) = noon();
+        let grazing = Receiver { normal: Vec3::new(1.0, 0.02, 0.3), ..receiver };
+        for receiver in [receiver, grazing] {
+            assert_eq!(Rule::Automatic { scale: 1.0 }.ask(&light, &views, &receiver), lookup(&light, &views, &receiver));
+        }
+        let below = Receiver { normal: Vec3::NEG_Y, ..receiver };
+        for rule in [Rule::Automatic { scale: 0.5 }, Rule::Metres(1.0), NOTHING] {
+            let asked = rule.ask(&light, &views, &below);
+            assert_eq!((asked.view, asked.known), (NO_VIEW, 0.0), "{rule:?} of a surface that faces away");
+        }
+    }
+
+    #[test]
+    fn engines_have_rules_of_their_own_for_points() {
+        let (light, ..) = noon();
+        let point = LightPlan { kind: LIGHT_POINT, ..light };
+        for engine in ENGINES {
+            assert_eq!((engine.of(&light), engine.of(&point)), (engine.rule, engine.rule_of_points));
+        }
+        assert!(ENGINES.iter().any(|engine| engine.rule != engine.rule_of_points));
     }
 }
