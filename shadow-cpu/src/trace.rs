@@ -54,7 +54,7 @@ pub use self::{
     surface::SurfacePoint,
 };
 use self::{
-    light::{Figure, ray_to_center, stratified},
+    light::{Figure, ray_from_center, ray_to_center, stratified},
     near::is_nearly_met,
     structure::Structure,
     walk::{Waiting, Walk},
@@ -218,6 +218,13 @@ impl Rays<'_> {
     pub fn blocker_of_center(&mut self, point: &SurfacePoint, light: &SceneLight) -> Option<(Ray, Hit)> {
         let ray = ray_to_center(point, light)?;
         Some((ray, self.closest(ray)?))
+    }
+
+    /// The surface that the light's ray through a point meets first, before the point or behind it: what a shadow map should hold there.
+    pub fn first_from_center(&mut self, point: DVec3, light: &SceneLight) -> Option<SurfacePoint> {
+        let ray = ray_from_center(point, light, self.tracer.scene.bounds());
+        let hit = self.closest(ray)?;
+        Some(self.tracer.surface_point(&hit, ray))
     }
 
     /// How many samples of a light are seen from a surface; the light's shape says over what they are spread.

@@ -2,6 +2,10 @@
 
 use core::fmt;
 
+use shadow_math::visibility::MapAccess;
+
+use crate::FramePlan;
+
 /// [`Pixels::Id`] of a pixel that shows no triangle.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
@@ -133,6 +137,35 @@ impl Frame {
             Pixels::Rgba(values) => Some(values),
             _ => None,
         }
+    }
+}
+
+/// The shadow maps of a frame, as lookups ask for them.
+#[derive(Clone, Debug)]
+pub struct FrameMaps<'a> {
+    /// The maps of all views, in the order of the plan's views.
+    layers: Vec<&'a [f32]>,
+    /// Width and height of each.
+    size: usize,
+}
+
+impl<'a> FrameMaps<'a> {
+    /// The maps of a frame that was rendered by `plan`; `None` if one of them is not there, or is of another size.
+    #[must_use]
+    pub fn of(frame: &'a Frame, plan: &FramePlan) -> Option<Self> {
+        let size = plan.map_size as usize;
+        let views = plan.lights.iter().enumerate().flat_map(|(light, light_plan)| {
+            (0..light_plan.view_count).map(move |view| LayerName::ShadowMap { light: light as u32, view })
+        });
+        let layers = views.map(|layer| frame.floats(layer).filter(|texels| texels.len() == size * size));
+        Some(Self { layers: layers.collect::<Option<_>>()?, size })
+    }
+}
+
+impl MapAccess for FrameMaps<'_> {
+    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
+        // A view's layer is its place among all views.
+        self.layers[layer as usize][y as usize * self.size + x as usize]
     }
 }
 

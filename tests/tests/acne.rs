@@ -7,7 +7,7 @@ use shadow_cpu::{
     trace::{CameraView, Sampling, Tracer},
 };
 use shadow_math::{Bias, Filter, ShadowSettings};
-use shadow_scene::{FramePlan, Request, Scene, SceneLight, import};
+use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, import};
 use shadow_tests::{
     lights::one_of_each,
     renderers::{self, cpu, is_full, scene_files, scenes},
@@ -16,6 +16,8 @@ use shadow_tests::{
 
 /// What a judgement needs of a frame.
 const JUDGED: Request = Request { camera: true, shadow_maps: false, visibility: true, color: false };
+/// The same with the maps, which take their time to be read back.
+const JUDGED_WITH_MAPS: Request = Request { shadow_maps: true, ..JUDGED };
 /// The smallest and the largest maps; the program's default lies between them.
 const MAP_SIZES: [u32; 2] = [512, 4096];
 const FILTERS: [Filter; 2] = [Filter::Hard, Filter::Bilinear];
@@ -26,6 +28,8 @@ struct Tally {
     frames: usize,
     pixels: u64,
     wrong: u64,
+    /// Wrong because of a texel that a sliver was drawn into at a depth that it does not have there.
+    drawn_wrongly: u64,
     failures: String,
 }
 
@@ -47,13 +51,25 @@ impl Tally {
                         continue;
                     }
                 };
-                let mut frames = vec![cpu().render(&prepared, &plan, JUDGED).expect("the picture fits").frame];
+                let on_cpu = |request| cpu().render(&prepared, &plan, request).expect("the picture fits").frame;
+                let on_gpu = |uploaded, request| {
+                    pollster::block_on(renderers::gpu().render(uploaded, &plan, request)).expect("the picture fits").frame
+                };
+                let mut renderers: Vec<Box<dyn Fn(Request) -> Frame>> = vec![Box::new(on_cpu)];
                 if let Some(uploaded) = &uploaded {
-                    let frame = pollster::block_on(renderers::gpu().render(uploaded, &plan, JUDGED));
-                    frames.push(frame.expect("the picture fits").frame);
+                    renderers.push(Box::new(move |request| on_gpu(uploaded, request)));
                 }
-                for frame in frames {
-                    let counts = judge.judge(&plan, &frame).expect("the frame is of the judge's view").total();
+                for render in renderers {
+                    let judge = |frame: &Frame| judge.judge(&plan, frame).expect("the frame is of the judge's view").total();
+                    let mut frame = render(JUDGED);
+                    let mut counts = judge(&frame);
+                    if counts.count(Cause::Acne) > 0 {
+                        // Only the maps tell acne from texels that do not hold what the light sees: slivers have no bound on rounding.
+                        let others = counts.count(Cause::Coverage);
+                        frame = render(JUDGED_WITH_MAPS);
+                        counts = judge(&frame);
+                        self.drawn_wrongly += counts.count(Cause::Coverage) - others;
+                    }
                     self.frames += 1;
                     self.pixels += counts.judged;
                     self.wrong += counts.wrong();
@@ -92,12 +108,14 @@ fn no_scene_has_acne_under_the_automatic_bias() {
     for file in files.iter().filter(|file| !file.starts_with("invalid/")) {
         tally.file(file, &folder.join(file), size, also_on_gpu);
     }
-    let Tally { frames, pixels, wrong, failures } = tally;
+    let Tally { frames, pixels, wrong, drawn_wrongly, failures } = tally;
     say(&format!(
-        "judged {frames} frames of {pixels} pixels that a light reaches, {:.3} % of them wrong, none by acne: {:.0} s",
+        "judged {frames} frames of {pixels} pixels that a light reaches, {:.3} % of them wrong, {drawn_wrongly} by slivers in a map, none by acne: {:.0} s",
         100.0 * wrong as f64 / pixels as f64,
         start.elapsed().as_secs_f64()
     ));
     assert!(failures.is_empty(), "{failures}");
     assert!(frames > 2000 && wrong > 0, "{frames} frames, {wrong} wrong pixels");
+    // Slivers are a pixel here and there, as their share of the scenes' triangles is: more would be a rasteriser's fault.
+    assert!(drawn_wrongly * 10_000_000 <= pixels, "{drawn_wrongly} pixels of {pixels}");
 }

@@ -11,7 +11,7 @@ use shadow_cpu::{
     renderer::CameraBuffer,
     trace::{CameraView, Tracer},
 };
-use shadow_scene::{Frame, FramePlan, Request, StageTimes};
+use shadow_scene::{Frame, FramePlan, LayerName, Request, StageTimes};
 
 use self::motion::{Motions, StabilityReport};
 use super::Verdict;
@@ -27,8 +27,8 @@ use crate::{
     statistics::Spread,
 };
 
-/// The layers of a frame that is judged and shown.
-const SHOWN: Request = Request { camera: true, shadow_maps: false, visibility: true, color: true };
+/// The layers of a frame that is judged: all of them, for maps tell acne from what is drawn wrongly.
+const JUDGED: Request = Request::ALL;
 /// One MiB in bytes.
 const MIB: f64 = (1 << 20) as f64;
 
@@ -181,8 +181,9 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
             }
             console.step();
         }
-        let (frame, _) = backend.render(plan, SHOWN, &console)?;
+        let (mut frame, _) = backend.render(plan, JUDGED, &console)?;
         let judgement = judge.judge(plan, &frame)?;
+        frame.layers.retain(|layer| !matches!(layer.name, LayerName::ShadowMap { .. }));
         console.step();
         let stability = motions.stability(&backend, technique, plan, args.picture.exposure, &console)?;
         let lights = job.scene.lights().iter().zip(&judgement.lights);

@@ -11,8 +11,8 @@ use shadow_cpu::{
     measure::{Cause, Gaps, Judge, Needs, Onset, Trial, Trials},
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_math::{Filter, MapAccess};
-use shadow_scene::{Frame, FramePlan, LayerName, Request};
+use shadow_math::Filter;
+use shadow_scene::{FrameMaps, LayerName, Request};
 
 use self::tries::{STEPS_OF_LIGHT, Tries};
 use super::Verdict;
@@ -173,29 +173,6 @@ impl From<Onset> for OnsetReport {
     }
 }
 
-/// The maps of a frame, as lookups ask for them.
-struct FrameMaps<'a> {
-    layers: Vec<&'a [f32]>,
-    size: usize,
-}
-
-impl<'a> FrameMaps<'a> {
-    fn of(frame: &'a Frame, plan: &FramePlan, backend: &'static str) -> Result<Self, CliError> {
-        let views = plan.lights.iter().enumerate().flat_map(|(light, light_plan)| {
-            (0..light_plan.view_count).map(move |view| LayerName::ShadowMap { light: light as u32, view })
-        });
-        // A view's layer is its place among all views.
-        let layers = views.map(|layer| frame.floats(layer).ok_or(CliError::Layer { backend, layer }));
-        Ok(Self { layers: layers.collect::<Result<_, _>>()?, size: plan.map_size as usize })
-    }
-}
-
-impl MapAccess for FrameMaps<'_> {
-    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
-        self.layers[layer as usize][y as usize * self.size + x as usize]
-    }
-}
-
 /// What the certificate is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -246,7 +223,8 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
     let name = args.backend.name();
     let missing = CliError::Layer { backend: name, layer: LayerName::Triangle };
     let triangles = frame.triangles().ok_or(missing)?;
-    let maps = FrameMaps::of(&frame, &job.plan, name)?;
+    let missing = CliError::Layer { backend: name, layer: LayerName::ShadowMap { light: 0, view: 0 } };
+    let maps = FrameMaps::of(&frame, &job.plan).ok_or(missing)?;
     let trials = Trials::new(&judge, &job.plan, triangles, &maps);
     let diagonal = 2.0 * job.scene.bounds().radius();
     let mut reports = Vec::with_capacity(lights.len());

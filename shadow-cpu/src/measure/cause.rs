@@ -6,7 +6,8 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Cause {
-    /// The renderer and the rays see different triangles there.
+    /// The renderer and the rays see different triangles there: in the camera's picture or, where all taps see the light, in the light's map, whose texels do
+    /// not hold the depth of what rays from the light meet first. A rasteriser's depth plane has no bound on rounding for slivers, and for triangles that the light sees edge-on.
     Coverage = 1,
     /// The shading normal and the geometric normal disagree about facing the light, or single and double precision do.
     Terminator = 2,

@@ -9,12 +9,12 @@ use shadow_math::{
     triangle::pixel_ray,
     visibility::{Lookup, lookup},
 };
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
+use shadow_scene::{Frame, FrameMaps, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
 
 use super::{
     cause::{Cause, Counts},
     regions::{Region, worst_regions},
-    taps::Taps,
+    taps::{HidingTap, Taps},
 };
 use crate::trace::{CameraView, Hit, Rays, Sampling, Seen, SeenLights, SurfacePoint, Tracer};
 
@@ -163,7 +163,8 @@ impl<'a> Judge<'a> {
 
     /// Says what is wrong with a frame that was rendered by `plan`: one of the judge's scene, lights and view.
     ///
-    /// The frame needs its triangle layer and the visibility of every light.
+    /// The frame needs its triangle layer and the visibility of every light. With its shadow maps too, acne is told from texels that do not hold the depth of what
+    /// the light sees there: see [`Cause::Coverage`].
     ///
     /// # Errors
     ///
@@ -177,12 +178,14 @@ impl<'a> Judge<'a> {
             Pixels::Id(values) => Some(values.as_slice()),
             _ => None,
         })?;
+        let maps = FrameMaps::of(frame, plan);
+        let maps = maps.as_ref().map(|maps| maps as &Maps);
         let judged = (0..lights.len()).map(|light| {
             let visibility = self.layer(frame, LayerName::Visibility { light: light as u32 }, |pixels| match pixels {
                 Pixels::Float(values) => Some(values.as_slice()),
                 _ => None,
             })?;
-            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &lookup))
+            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &lookup, maps))
         });
         let lights = judged.collect::<Result<_, _>>()?;
         Ok(Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights })
@@ -211,7 +214,7 @@ impl<'a> Judge<'a> {
         };
         // Where nothing is drawn, everything is lit.
         let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, answer);
-        self.judge_light(plan, light, triangles, &visibility, ask)
+        self.judge_light(plan, light, triangles, &visibility, ask, Some(maps))
     }
 
     /// The values of a layer of the judge's size.
@@ -240,6 +243,7 @@ impl<'a> Judge<'a> {
         triangles: &[u32],
         visibility: &(dyn Fn(usize, Option<&Receiver>) -> f32 + Sync),
         ask: &Ask<'_>,
+        maps: Option<&Maps>,
     ) -> LightJudgement {
         let width = self.seen.view.width() as usize;
         let mut causes = vec![0; triangles.len()];
@@ -254,7 +258,7 @@ impl<'a> Judge<'a> {
                     let triangle = triangles[pixel];
                     let receiver =
                         (triangle != NO_TRIANGLE).then(|| receiver_at(self.tracer.scene(), plan, triangle, x as u32, y as u32));
-                    let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask };
+                    let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask, maps };
                     let judged = self.judge_pixel(plan, light, (x as u32, y as u32), triangle, &answer, &mut rays);
                     let Some(JudgedPixel { cause, error, is_at_terminator }) = judged else { continue };
                     counts.judged += 1;
@@ -288,7 +292,7 @@ impl<'a> Judge<'a> {
         answer: &Answer<'_>,
         rays: &mut Rays<'_>,
     ) -> Option<JudgedPixel> {
-        let Answer { receiver, visibility, ask } = *answer;
+        let Answer { receiver, visibility, ask, maps } = *answer;
         let scene = self.tracer.scene();
         let index = y as usize * self.seen.view.width() as usize + x as usize;
         let hit = &self.seen.hits[index];
@@ -318,7 +322,7 @@ impl<'a> Judge<'a> {
             let view = plan.views.get(lookup.view as usize);
             let corners = self.tracer.corners(triangle);
             let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
-            let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility, largest };
+            let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility, largest, maps };
             cause_by_taps(&point, &taken, self.sees_center[place], rays)
         });
         Some(JudgedPixel { cause, error, is_at_terminator })
@@ -330,6 +334,9 @@ pub(super) fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32
     scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5))
 }
 
+/// Shadow maps of any kind.
+type Maps<'a> = dyn MapAccess + Sync + 'a;
+
 /// How a receiver asks the maps of a light, told all views of the frame.
 pub type Ask<'a> = dyn Fn(&LightPlan, &[ViewPlan], &Receiver) -> Lookup + Sync + 'a;
 
@@ -339,6 +346,7 @@ struct Answer<'a> {
     receiver: Option<Receiver>,
     visibility: f32,
     ask: &'a Ask<'a>,
+    maps: Option<&'a Maps<'a>>,
 }
 
 /// What a pixel is judged to be.
@@ -358,11 +366,13 @@ struct Taken<'a> {
     visibility: f32,
     /// The largest coordinate of the receiver's triangle, in metres.
     largest: f64,
+    /// The maps, if they are known.
+    maps: Option<&'a Maps<'a>>,
 }
 
 /// Why the visibility of a pixel is wrong, where rays and rasteriser see the same triangle and both normals agree.
 fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, rays: &mut Rays<'_>) -> Cause {
-    let Taken { light, plan, view, lookup, visibility, largest } = taken;
+    let Taken { light, plan, view, lookup, visibility, largest, maps } = taken;
     let Some(view) = view else {
         // Without a map a surface that faces away is dark: single and double precision disagree about that. All else is lit.
         return if lookup.known == 0.0 { Cause::Terminator } else { Cause::Leak };
@@ -389,7 +399,13 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
         return if *visibility > 0.0 && *visibility < 1.0 { Cause::Filter } else { Cause::Aliasing };
     }
     if sees_center {
-        return Cause::Acne;
+        let hiding = maps.map_or_else(Vec::new, |maps| taps.hiding(maps, lookup).collect());
+        let mut can_hold = |tap: &HidingTap| {
+            let seen = rays.first_from_center(tap.behind, light);
+            seen.is_some_and(|seen| taps.can_hold(tap, &seen))
+        };
+        let is_drawn_wrongly = !hiding.is_empty() && !hiding.iter().any(&mut can_hold);
+        return if is_drawn_wrongly { Cause::Coverage } else { Cause::Acne };
     }
     let gap = taps.gap_metres(light, lookup);
     let blocker = rays.blocker_of_center(receiver, light);

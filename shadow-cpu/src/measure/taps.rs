@@ -8,7 +8,7 @@ use shadow_math::{
     fit::cube_face_of,
     plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
     vector::row_times_point,
-    visibility::Lookup,
+    visibility::{Lookup, MapAccess},
 };
 use shadow_scene::SceneLight;
 
@@ -25,6 +25,15 @@ const MAX_TAPS: usize = 4;
 /// Eight directions around a texel's centre.
 const AROUND: [[f64; 2]; 8] =
     [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+
+/// A tap whose texel hides the receiver.
+pub(super) struct HidingTap {
+    texel: IVec2,
+    /// What the texel holds.
+    stored: f32,
+    /// The point of the receiver's plane behind the texel's centre.
+    pub(super) behind: DVec3,
+}
 
 /// A lookup's taps on a receiver's plane.
 pub(super) struct Taps<'a> {
@@ -71,6 +80,42 @@ impl<'a> Taps<'a> {
     pub(super) fn around(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
         let e = self.outline_error;
         self.texels[..self.count].iter().flat_map(move |texel| AROUND.map(|[x, y]| self.point(*texel, [x * e, y * e])))
+    }
+
+    /// The taps whose texels hide the receiver.
+    pub(super) fn hiding(&self, maps: &(dyn MapAccess + Sync), lookup: &Lookup) -> impl Iterator<Item = HidingTap> {
+        let [left, top, width, height] = self.view.rect.map(|side| side as i32);
+        self.texels[..self.count].iter().filter_map(move |&texel| {
+            let is_inside = texel.x >= left && texel.y >= top && texel.x < left + width && texel.y < top + height;
+            if !is_inside {
+                return None;
+            }
+            let stored = maps.fetch_texel(self.view.layer, texel.x as u32, texel.y as u32);
+            let is_lit = lookup.depth <= stored + lookup.bias;
+            let behind = self.point(texel, [0.0; 2])?.position;
+            (!is_lit).then_some(HidingTap { texel, stored, behind })
+        })
+    }
+
+    /// Whether a tap's texel can hold what it does where the light meets this surface first: the depth of the surface's plane, at the texel's centre or beside it by as
+    /// much as a map can be off.
+    pub(super) fn can_hold(&self, tap: &HidingTap, seen: &SurfacePoint) -> bool {
+        let e = self.outline_error;
+        let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
+        let w = row(self.view.clip_w).dot(seen.position.extend(1.0));
+        let rounding = f64::from(self.view.rounding_depth[0]) + f64::from(self.view.rounding_depth[1]) / w;
+        let depth_at = |[x, y]: [f64; 2]| {
+            let place = [f64::from(tap.texel.x) + 0.5 + x * e, f64::from(tap.texel.y) + 0.5 + y * e];
+            let point = point_behind(self.view, place, seen)?.position.extend(1.0);
+            Some(row(self.view.clip_z).dot(point) / row(self.view.clip_w).dot(point))
+        };
+        // A plane that the light runs along can have any depth.
+        let depths: Option<Vec<f64>> = AROUND.into_iter().map(depth_at).collect();
+        depths.is_none_or(|depths| {
+            let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
+            let farthest = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (nearest - rounding..=farthest + rounding).contains(&f64::from(tap.stored))
+        })
     }
 
     /// How far outlines in the map can be off, in metres across the ray from one of the taps to the light.

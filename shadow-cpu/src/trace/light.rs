@@ -6,7 +6,7 @@
 use core::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
-use shadow_math::{LightKind, LightShape};
+use shadow_math::{LightKind, LightShape, bounds::Aabb};
 use shadow_scene::SceneLight;
 
 use super::{ray::Ray, surface::SurfacePoint};
@@ -16,6 +16,21 @@ pub(super) fn ray_to_center(point: &SurfacePoint, light: &SceneLight) -> Option<
     match light.light.kind {
         LightKind::Directional { direction } => point.along(-direction.as_dvec3()),
         LightKind::Spot { position, .. } | LightKind::Point { position, .. } => point.toward(position.as_dvec3()),
+    }
+}
+
+/// The ray of a light's middle through a point, from where it has met nothing of a scene within `bounds`.
+pub(super) fn ray_from_center(point: DVec3, light: &SceneLight, bounds: Aabb) -> Ray {
+    match light.light.kind {
+        LightKind::Directional { direction } => {
+            let outside = 2.0 * (f64::from(bounds.radius()) + point.distance(bounds.center().as_dvec3()));
+            let direction = direction.as_dvec3();
+            Ray::along(point - direction.normalize() * outside, direction)
+        }
+        LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
+            let position = position.as_dvec3();
+            Ray::along(position, point - position)
+        }
     }
 }
 

@@ -29,14 +29,14 @@ impl Clearance {
     }
 }
 
-/// The sine of the angle between a ray and a plane below which the ray counts as running along it: `clearance` to the side is then a thousand times as
-/// much along the ray, about the whole of a map's texel.
-const EDGE_ON: f64 = 1e-3;
+/// Eight directions around a ray, in the plane of its two lesser axes.
+const AROUND: [[f64; 2]; 8] =
+    [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
 /// Whether a triangle comes within `clearance` of a ray that leaves `point`, and is there. Rays are few here: boxes are taken one after the other.
 ///
-/// A triangle of which nothing rises above the point's own plane hides nothing of it. `is_there` is told where the ray itself meets a triangle; those that it
-/// passes by are there.
+/// A triangle of which nothing rises above the point's own plane hides nothing of it. `is_there` is told where the ray itself meets a triangle and, where
+/// it goes through a hole, where rays beside it do: the hole's outline moves as the corners do. Triangles that the ray passes by are there.
 pub(super) fn is_nearly_met(
     structure: &Structure,
     stack: &mut Vec<(u32, f32)>,
@@ -61,10 +61,13 @@ pub(super) fn is_nearly_met(
             let corners = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
             let rises = corners.into_iter().any(|corner| point.normal.dot(corner - point.position) > point.lift);
             if rises && sheared.passes_near(corners, clearance) {
-                // Only the ray itself says whether it goes through a hole.
-                match sheared.meet(leaf.triangle[lane], corners) {
-                    Some(hit) if !is_there(&hit) => {}
-                    _ => return true,
+                let Some(hit) = sheared.meet(leaf.triangle[lane], corners) else { return true };
+                let is_there_beside = |[x, y]: [f64; 2]| {
+                    let beside = ShearedRay::new(ray.beside(sheared.across(x * widest, y * widest)));
+                    beside.meet(leaf.triangle[lane], corners).is_some_and(|hit| is_there(&hit))
+                };
+                if is_there(&hit) || AROUND.into_iter().any(is_there_beside) {
+                    return true;
                 }
             }
         }
@@ -93,6 +96,14 @@ fn enters(node: &Node, lane: usize, ray: Ray, radius: f64) -> bool {
 }
 
 impl ShearedRay {
+    /// A step across the ray, by its two lesser axes.
+    fn across(&self, x: f64, y: f64) -> DVec3 {
+        let mut step = DVec3::ZERO;
+        step[self.axes[0]] = x;
+        step[self.axes[1]] = y;
+        step
+    }
+
     /// Whether a ray passes each edge of a triangle on the inside or within `clearance` of it, before its end.
     fn passes_near(&self, corners: [DVec3; 3], clearance: Clearance) -> bool {
         let [v0, v1, v2] = corners;
@@ -103,14 +114,22 @@ impl ShearedRay {
         let along = corners.map(|corner| (corner - self.ray.origin()).dot(direction) / direction.length_squared());
         let (nearest, farthest) = (along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2]));
         let to_plane = normal.dot(v0 - self.ray.origin()) / speed;
-        // A plane that the ray nearly runs along can be met anywhere between the triangle's own nearest and farthest corner.
-        let is_edge_on = speed.abs() <= EDGE_ON * normal.length() * direction.length();
-        let distance = if is_edge_on { to_plane.max(nearest.max(f64::MIN_POSITIVE)).min(farthest) } else { to_plane };
-        if !(distance > 0.0 && distance < self.ray.end()) || self.ends_on(corners) {
+        // Moved to the side, the triangle is met nearer or farther by the cotangent of the angle between ray and plane times as much, between its own nearest and
+        // farthest corner: a plane that the ray runs along anywhere between them.
+        let widest = clearance.at_origin.max(clearance.at_end) / direction.length();
+        let sine = speed.abs() / (normal.length() * direction.length());
+        let shift = widest * (1.0 - sine * sine).max(0.0).sqrt() / sine;
+        let (first, last) = if shift < f64::INFINITY {
+            (nearest.max(to_plane - shift), farthest.min(to_plane + shift))
+        } else {
+            (nearest, farthest)
+        };
+        if !(last > 0.0 && first < self.ray.end()) || self.ends_on(corners) {
             return false;
         }
         // Sheared along the direction, a step across the ray becomes longer by at most the direction's length, whose largest component is 1.
-        let radius = clearance.at(distance, self.ray.end()) * direction.length();
+        let end = self.ray.end();
+        let radius = clearance.at(first.max(0.0), end).max(clearance.at(last.min(end), end)) * direction.length();
         let twice_area = (across[1] - across[0]).perp_dot(across[2] - across[0]);
         let side = if twice_area < 0.0 { -1.0 } else { 1.0 };
         (0..3).all(|i| {

@@ -45,6 +45,11 @@ impl Ray {
         Self { left: triangle, ..self }
     }
 
+    /// The same ray, moved to the side by `step`.
+    pub(super) fn beside(self, step: DVec3) -> Self {
+        Self { origin: self.origin + step, ..self }
+    }
+
     /// The triangle that the ray leaves, or [`NO_TRIANGLE`].
     #[must_use]
     pub fn left(&self) -> u32 {
