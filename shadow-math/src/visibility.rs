@@ -9,7 +9,7 @@ use crate::{
     filter::filtered_test,
     fit::cube_face_of,
     plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
-    vector::{row_times_point, unit_normal},
+    vector::{normalized, row_times_point},
 };
 
 /// The way to the shadow maps.
@@ -97,6 +97,14 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
         return known(1.0);
     }
     Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias }
+}
+
+/// A normal of unit length, of one of any length above 0 that f32 can hold: scaled first, so that its square can be taken.
+#[inline(always)]
+#[must_use]
+pub fn unit_normal(normal: Vec3) -> Vec3 {
+    let largest = normal.x.abs().max(normal.y.abs()).max(normal.z.abs());
+    normalized(normal / largest)
 }
 
 /// How much of a light reaches a receiver: from 0, shadowed, to 1, lit.

@@ -10,8 +10,8 @@ use shadow_math::{
     bias::{depth_gradient, needed_depth, normal_offset},
     fit::cube_face_of,
     plan::{LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
-    vector::{row_times_point, unit_normal},
-    visibility::{Lookup, NO_VIEW},
+    vector::row_times_point,
+    visibility::{Lookup, NO_VIEW, unit_normal},
 };
 
 /// How far a rule moves a receiver along its normal.

@@ -6,7 +6,7 @@ use shadow_math::{
     plan::{CameraPlan, LightPlan},
     shade::{Surface, shade_ambient, shade_light},
     triangle::pixel_ray,
-    vector::{normalized, unit_normal},
+    vector::normalized,
 };
 
 use super::{
@@ -20,7 +20,6 @@ pub(crate) struct SurfaceSpan {
     base_color: Vectors,
     shininess: Numbers,
     normal: Vectors,
-    geometric_normal: Vectors,
     toward_viewer: Vectors,
 }
 
@@ -36,7 +35,6 @@ impl SurfaceSpan {
         base_color: Vectors::ZERO,
         shininess: [1.0; SPAN],
         normal: Vectors::ZERO,
-        geometric_normal: Vectors::ZERO,
         toward_viewer: Vectors::ZERO,
     };
 
@@ -58,7 +56,6 @@ impl SurfaceSpan {
             self.uv[0][i] = u;
             self.uv[1][i] = v;
             self.normal.set(i, normalized(corners.normal(i, hits.u[i], hits.v[i])) * hits.side[i]);
-            self.geometric_normal.set(i, unit_normal(hits.normal.get(i)));
             let ray = pixel_ray(&rays, (x + i) as i32 as f32 + 0.5, row);
             self.toward_viewer.set(i, normalized(-ray.direction));
         }
@@ -70,7 +67,6 @@ impl SurfaceSpan {
         Surface {
             point: hits.point.get(i),
             normal: self.normal.get(i),
-            geometric_normal: self.geometric_normal.get(i),
             toward_viewer: self.toward_viewer.get(i),
             base_color: self.base_color.get(i),
             shininess: self.shininess[i],

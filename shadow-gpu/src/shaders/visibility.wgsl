@@ -71,6 +71,11 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     return Lookup(view, 0.0, texel, min(z, 1.0), bias);
 }
 
+fn unit_normal(normal: vec3f) -> vec3f {
+    let largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    return normalized(normal / largest);
+}
+
 fn visibility(light: u32, receiver: Receiver) -> f32 {
     let found = lookup(light, receiver);
     if found.view == NO_VIEW {
