@@ -56,6 +56,8 @@ struct LightReport {
     maps: u32,
     /// Pixels that shadow themselves in the frame that was rendered.
     acne: u64,
+    /// Pixels whose two normals disagree about facing the light: a smooth mesh shows its facets there, whatever the bias.
+    at_terminator: u64,
     needed: NeededReport,
     /// The shares of the automatic bias between which acne begins; null if there is none without any.
     onset: Option<OnsetReport>,
@@ -236,6 +238,7 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
             kind: kind_name(&light.light.kind),
             maps: job.plan.lights[index].view_count,
             acne: judgement.lights[index].counts.count(Cause::Acne),
+            at_terminator: judgement.lights[index].counts.at_terminator,
             needed: NeededReport::from(&judge.needs(&job.plan, index, triangles)),
             onset: onset.map(OnsetReport::from),
             rules,
@@ -327,7 +330,7 @@ fn sentences(light: &LightReport) -> Vec<String> {
     };
     let NeededReport { filter, snap, rounding } = light.needed;
     let part = |gap: f32| length(f64::from(gap));
-    vec![
+    let mut sentences = vec![
         format!(
             "gaps that planes need, medians over {} pixels: {} for the filter's taps, {} for the snapping of vertices, {} for rounding",
             automatic.gap.pixels,
@@ -344,7 +347,19 @@ fn sentences(light: &LightReport) -> Vec<String> {
             None if automatic.acne > 0 => "there is acne with the automatic bias".into(),
             None => "this picture has no acne even without a bias".into(),
         },
-    ]
+    ];
+    if light.at_terminator > 0 {
+        sentences.push(format!(
+            "{} where smooth normals and flat faces disagree about facing the light: facets show there, and no bias is to blame (the terminator)",
+            count_of(light.at_terminator)
+        ));
+    }
+    sentences
+}
+
+/// How many pixels lie somewhere.
+fn count_of(pixels: u64) -> String {
+    if pixels == 1 { "1 pixel lies".into() } else { format!("{pixels} pixels lie") }
 }
 
 /// A length with three digits and the unit that suits it; 0 for less, which rounding makes of nothing.
