@@ -2,6 +2,7 @@
 //!
 //! The doc comments of this file are the program's help.
 
+mod filter;
 mod help;
 
 use std::path::PathBuf;
@@ -13,8 +14,10 @@ use clap::{
 };
 use clap_complete::Shell;
 use shadow_cpu::trace::Sampling;
+use shadow_math::Filter;
 use shadow_scene::Choice;
 
+pub(crate) use self::filter::FilterName;
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
     RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
@@ -240,8 +243,14 @@ pub(crate) struct PictureArgs {
     pub(crate) map_size: u32,
 
     /// How depth tests are averaged
-    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::Bilinear, help_heading = "Shadows")]
+    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName(Filter::Bilinear), help_heading = "Shadows")]
     pub(crate) filter: FilterName,
+
+    /// How far the filter reaches, in texels: from 1 to 4 for gaussian [default: 2], from 0.5 to 16 for poisson and vogel [default: 2.5]
+    ///
+    /// The other filters have a size of their own, and with them it is refused.
+    #[arg(long, value_name = "TEXELS", allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) filter_radius: Option<f32>,
 }
 
 /// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
@@ -463,7 +472,7 @@ pub(crate) struct MeasureArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["map_size", "filter", "bias", "bias_constant"],
+        conflicts_with_all = ["map_size", "filter", "filter_radius", "bias", "bias_constant"],
         help_heading = "Shadows"
     )]
     pub(crate) settings: Vec<PathBuf>,
@@ -577,15 +586,6 @@ impl Backend {
     }
 }
 
-/// The names of the filters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FilterName {
-    /// One test, of the texel that the point falls into
-    Hard,
-    /// Four tests, weighted by the distance to the texels' centres
-    Bilinear,
-}
-
 /// The names of the biases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BiasName {
@@ -623,7 +623,7 @@ mod tests {
         assert_eq!((args.rendering.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
             (args.picture.filter, args.bias.bias, args.picture.map_size),
-            (FilterName::Bilinear, BiasName::Automatic, 2048)
+            (FilterName(Filter::Bilinear), BiasName::Automatic, 2048)
         );
     }
 

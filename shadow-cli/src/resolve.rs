@@ -1,7 +1,7 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_cpu::trace::Sampling;
-use shadow_math::{Bias, Camera, Filter, LightKind, ShadowSettings};
+use shadow_math::{Bias, Camera, LightKind, ShadowSettings};
 use shadow_scene::{
     FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
 };
@@ -124,11 +124,8 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         (BiasName::Constant, metres) => Bias::Constant { metres: metres.unwrap_or(DEFAULT_CONSTANT_METRES) },
         (BiasName::Slope, metres) => Bias::Slope { scale: 1.0, metres: metres.unwrap_or(0.0) },
     };
-    let filter = match args.filter {
-        FilterName::Hard => Filter::Hard,
-        FilterName::Bilinear => Filter::Bilinear,
-    };
-    Ok(ShadowSettings { bias, filter, map_size: args.map_size, ..ShadowSettings::default() })
+    let FilterName(filter) = args.filter;
+    Ok(ShadowSettings { bias, filter, filter_radius: args.filter_radius, map_size: args.map_size, ..ShadowSettings::default() })
 }
 
 /// Tells the notes about a scene.

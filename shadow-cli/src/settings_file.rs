@@ -8,7 +8,7 @@ use std::{fs, ops::Range, path::Path};
 use serde::{Deserialize, Serialize};
 use shadow_math::{
     Bias, Filter, Fit, ShadowSettings, Split, Store,
-    settings::{MAX_MAP_SIZE, MIN_MAP_SIZE},
+    settings::{FilterRadii, MAX_MAP_SIZE, MIN_MAP_SIZE},
 };
 use toml::Spanned;
 
@@ -33,8 +33,12 @@ split = "single"
 # What a texel remembers: "depth32" (the nearest caster's depth, a 32-bit float).
 store = "depth32"
 
-# How depth tests are averaged: "hard" (one test) or "bilinear" (four).
+# How depth tests are averaged: "hard" (one test), "bilinear" (four), "cross5", "box3" to "box9", "gaussian", "witness3", "witness5", "witness7", "poisson", "vogel"
+# or "footprint"; `shadow help render` says what each is.
 filter = "bilinear"
+
+# How far "gaussian" (from 1 to 4), "poisson" or "vogel" (from 0.5 to 16) reach, in texels.
+# filter-radius = 2.5
 
 # How surfaces are kept from shadowing themselves:
 #   "automatic"  what the receiver's plane needs under the filter, by depth or along its normal: nothing to tune
@@ -81,6 +85,7 @@ struct File {
     split: Split,
     store: Store,
     filter: Filter,
+    filter_radius: Option<Spanned<f32>>,
     bias: Option<Spanned<BiasName>>,
     bias_constant: Option<Spanned<f32>>,
     bias_scale: Option<Spanned<f32>>,
@@ -158,7 +163,23 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
         }
     };
     let File { name, fit, split, store, filter, .. } = file;
-    Ok((name, ShadowSettings { fit, split, store, bias, filter, map_size }))
+    if let Some(radius) = &file.filter_radius {
+        let problem = match filter.radii() {
+            None => Some(format!(
+                "filter-radius has no meaning with filter = \"{}\"; use it with \"gaussian\", \"poisson\" or \"vogel\", or leave it out",
+                filter.name()
+            )),
+            Some(FilterRadii { least, most, .. }) if !(*radius.get_ref() >= least && *radius.get_ref() <= most) => {
+                Some(format!("filter-radius = {} is out of range; choose from {least} to {most} texels", radius.get_ref()))
+            }
+            Some(_) => None,
+        };
+        if let Some(problem) = problem {
+            return Err(at(Some(radius.span()), problem));
+        }
+    }
+    let filter_radius = file.filter_radius.map(Spanned::into_inner);
+    Ok((name, ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size }))
 }
 
 fn name_of(bias: BiasName) -> &'static str {
@@ -179,6 +200,8 @@ pub(crate) struct SettingsReport {
     split: Split,
     store: Store,
     filter: Filter,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    filter_radius: Option<f32>,
     bias: BiasName,
     #[serde(skip_serializing_if = "Option::is_none")]
     bias_constant: Option<f32>,
@@ -189,7 +212,8 @@ pub(crate) struct SettingsReport {
 
 impl From<&NamedSettings> for SettingsReport {
     fn from(named: &NamedSettings) -> Self {
-        let ShadowSettings { fit, split, store, bias, filter, map_size } = named.settings;
+        let ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size } = named.settings;
+        let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
         let (bias, bias_constant, bias_scale) = match bias {
             Bias::Constant { metres } => (BiasName::Constant, Some(metres), None),
             Bias::Slope { scale, metres } => (BiasName::Slope, Some(metres), Some(scale)),
@@ -197,7 +221,7 @@ impl From<&NamedSettings> for SettingsReport {
             // The only one that is left; those to come have names of their own.
             _ => (BiasName::Automatic, None, None),
         };
-        Self { name: named.name.clone(), fit, split, store, filter, bias, bias_constant, bias_scale, map_size }
+        Self { name: named.name.clone(), fit, split, store, filter, filter_radius, bias, bias_constant, bias_scale, map_size }
     }
 }
 
@@ -211,7 +235,8 @@ impl SettingsReport {
     pub(crate) fn summary(&self) -> String {
         let length = self.bias_constant.filter(|&metres| metres > 0.0).map_or_else(String::new, |metres| format!(" {metres} m"));
         let scale = self.bias_scale.filter(|&scale| scale != 1.0).map_or_else(String::new, |scale| format!(" x {scale}"));
-        format!("{} texels, {:?}, {}{scale}{length}", self.map_size, self.filter, name_of(self.bias)).to_lowercase()
+        let radius = self.filter_radius.map_or_else(String::new, |radius| format!(" {radius}"));
+        format!("{} texels, {}{radius}, {}{scale}{length}", self.map_size, self.filter.name(), name_of(self.bias))
     }
 }
 
@@ -235,6 +260,8 @@ mod tests {
         let taken_in = DEFAULT_TEXT
             .replace("bias = \"automatic\"", "bias = \"slope\"")
             .replace("# bias-", "bias-")
+            .replace("filter = \"bilinear\"", "filter = \"vogel\"")
+            .replace("# filter-", "filter-")
             .replace("# name", "name");
         let (name, settings) = parse(&taken_in).expect("the comments are settings too");
         assert_eq!((name.as_deref(), settings.bias), (Some("default"), Bias::Slope { scale: 1.0, metres: 0.01 }));
@@ -254,6 +281,8 @@ mod tests {
         for (text, line, parts) in [
             ("filter = \"hard\"\nsoftness = 3", 2, ["softness", "map-size"]),
             ("\n\nfilter = \"soft\"", 3, ["soft", "bilinear"]),
+            ("filter = \"box3\"\nfilter-radius = 2", 2, ["box3", "\"vogel\""]),
+            ("filter = \"gaussian\"\n\nfilter-radius = 5", 3, ["5 is out", "1 to 4"]),
             ("map-size = 8", 1, ["map-size = 8", "16 to 16384"]),
             ("map-size = \"large\"", 1, ["large", "u32"]),
             ("bias = \"constant\"\nbias-constant = -1", 2, ["-1", "at least 0"]),

@@ -192,7 +192,7 @@ impl Kernel for RowKernel<'_> {
                 let mut numbers = [1.0; SPAN];
                 match source {
                     Source::Maps(maps) => {
-                        span_visibility(light, &plan.views, maps, &hits, seen.len(), &mut numbers);
+                        span_visibility(light, &plan.views, maps, &hits, &plan.camera.rays, seen.len(), &mut numbers);
                     }
                     Source::Visibility(visibility) => {
                         let row = &visibility[y * plan.camera.width as usize * light_count..];

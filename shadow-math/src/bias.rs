@@ -120,15 +120,15 @@ fn normal_derivative(column: [f32; 4], point: Vec3, normal: Vec3) -> f32 {
 /// How much depth the receiver's plane needs under the filter: `h(g) + snap + rounding`, at least 0.
 ///
 /// `w` is the receiver's clip w, above 0. The receiver's `point` and `normal` are as for [`depth_gradient`]. A plane that is seen edge-on needs more than there
-/// is: up to infinity.
+/// is: up to infinity. `footprint` has the sides of the pixel's image in the map, in texels, for the filter that is made of them.
 #[inline(always)]
 #[must_use]
-pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32, footprint: [Vec2; 2]) -> f32 {
     let gradient = depth_gradient(view, point, normal);
     // A constant factor comes before the variable ones: shader compilers move it there.
     let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
-    let texels =
-        filter::support(light.filter) * light.slope_scale + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
+    let texels = filter::support(light, gradient, footprint) * light.slope_scale
+        + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
     slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w)
 }
 

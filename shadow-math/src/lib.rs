@@ -26,7 +26,7 @@
 //!         self.0
 //!     }
 //! }
-//! let floor = Receiver { point: Vec3::ZERO, normal: Vec3::Y };
+//! let floor = Receiver::new(Vec3::ZERO, Vec3::Y);
 //! assert_eq!(visibility(&light, &views, &Map(blocker), &floor), 0.0);
 //! assert_eq!(visibility(&light, &views, &Map(1.0), &floor), 1.0);
 //! # Ok::<(), shadow_math::PlanError>(())

@@ -65,6 +65,8 @@ pub enum Bias {
 }
 
 /// How are depth tests averaged?
+///
+/// [`filter`](crate::filter) says what each is, and where it comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
@@ -74,6 +76,104 @@ pub enum Filter {
     /// Four tests, weighted by the point's distance to their centres.
     #[default]
     Bilinear,
+    /// The texel that the point falls into and its four neighbours, alike.
+    Cross5,
+    /// The mean over a square of 3 texels, with bilinear edges.
+    Box3,
+    /// The same over 4 texels.
+    Box4,
+    /// The same over 5 texels.
+    Box5,
+    /// The same over 6 texels.
+    Box6,
+    /// The same over 7 texels.
+    Box7,
+    /// The same over 8 texels.
+    Box8,
+    /// The same over 9 texels.
+    Box9,
+    /// A bell curve out to the radius, with bilinear edges.
+    Gaussian,
+    /// The witness kernel of 3 texels.
+    Witness3,
+    /// The witness kernel of 5 texels.
+    Witness5,
+    /// The witness kernel of 7 texels.
+    Witness7,
+    /// Sixteen tests in a disc, at places that keep a distance from each other, turned from pixel to pixel.
+    Poisson,
+    /// Sixteen tests in a disc, along a sunflower's spiral, turned from pixel to pixel.
+    Vogel,
+    /// Tests all over the pixel's own image in the map, a parallelogram.
+    Footprint,
+}
+
+impl Filter {
+    /// Every filter.
+    pub const ALL: [Self; 17] = [
+        Self::Hard,
+        Self::Bilinear,
+        Self::Cross5,
+        Self::Box3,
+        Self::Box4,
+        Self::Box5,
+        Self::Box6,
+        Self::Box7,
+        Self::Box8,
+        Self::Box9,
+        Self::Gaussian,
+        Self::Witness3,
+        Self::Witness5,
+        Self::Witness7,
+        Self::Poisson,
+        Self::Vogel,
+        Self::Footprint,
+    ];
+
+    /// The name in settings files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hard => "hard",
+            Self::Bilinear => "bilinear",
+            Self::Cross5 => "cross5",
+            Self::Box3 => "box3",
+            Self::Box4 => "box4",
+            Self::Box5 => "box5",
+            Self::Box6 => "box6",
+            Self::Box7 => "box7",
+            Self::Box8 => "box8",
+            Self::Box9 => "box9",
+            Self::Gaussian => "gaussian",
+            Self::Witness3 => "witness3",
+            Self::Witness5 => "witness5",
+            Self::Witness7 => "witness7",
+            Self::Poisson => "poisson",
+            Self::Vogel => "vogel",
+            Self::Footprint => "footprint",
+        }
+    }
+
+    /// Between which radii in texels the filter can be set, and to what it is by itself; `None` for a filter whose size is its own.
+    #[must_use]
+    pub fn radii(self) -> Option<FilterRadii> {
+        match self {
+            Self::Gaussian => Some(FilterRadii { least: 1.0, most: 4.0, default: 2.0 }),
+            Self::Poisson | Self::Vogel => Some(FilterRadii { least: 0.5, most: 16.0, default: 2.5 }),
+            _ => None,
+        }
+    }
+}
+
+/// The radii that a filter can have, in texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterRadii {
+    /// The smallest.
+    pub least: f32,
+    /// The largest.
+    pub most: f32,
+    /// What it is if nothing is said.
+    pub default: f32,
 }
 
 /// How a light's shadow is mapped.
@@ -90,6 +190,8 @@ pub struct ShadowSettings {
     pub bias: Bias,
     /// How depth tests are averaged.
     pub filter: Filter,
+    /// How far the filter reaches, in texels, for those that have [radii](Filter::radii); `None` is the filter's own default.
+    pub filter_radius: Option<f32>,
     /// Width and height of each map in texels, from [`MIN_MAP_SIZE`] to [`MAX_MAP_SIZE`].
     pub map_size: u32,
 }
@@ -107,6 +209,7 @@ impl Default for ShadowSettings {
             store: Store::default(),
             bias: Bias::default(),
             filter: Filter::default(),
+            filter_radius: None,
             map_size: 2048,
         }
     }

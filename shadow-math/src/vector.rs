@@ -15,6 +15,13 @@ pub fn row_times_point(row: [f32; 4], point: Vec3) -> f32 {
     row[0] * point.x + row[1] * point.y + row[2] * point.z + row[3]
 }
 
+/// The first three terms of a row times a vector, which has no place.
+#[inline(always)]
+#[must_use]
+pub fn row_times_vector(row: [f32; 4], vector: Vec3) -> f32 {
+    row[0] * vector.x + row[1] * vector.y + row[2] * vector.z
+}
+
 /// `v` over its length; zero stays zero.
 #[inline(always)]
 #[must_use]

@@ -6,10 +6,10 @@ use glam::{Vec2, Vec3};
 
 use crate::{
     bias::{depth_bias, needed_depth, normal_offset},
-    filter::filtered_test,
+    filter::{filtered_test, turn::turn_of_pixel},
     fit::cube_face_of,
-    plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
-    vector::{normalized, row_times_point},
+    plan::{FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    vector::{normalized, row_times_point, row_times_vector},
 };
 
 /// The way to the shadow maps.
@@ -25,13 +25,26 @@ pub struct Receiver {
     pub point: Vec3,
     /// The geometric normal of its triangle, turned to the viewer; of any length above 0.
     pub normal: Vec3,
+    /// The pixel that shows it, by which discs are turned.
+    pub pixel: [u32; 2],
+    /// How far the point moves on its plane from a pixel to the next one on the right, and to the next one below, in metres: what a footprint is made of. Other
+    /// filters do not look at it.
+    pub steps: [Vec3; 2],
+}
+
+impl Receiver {
+    /// A point of a surface that no pixel shows: its footprint is a point.
+    #[must_use]
+    pub const fn new(point: Vec3, normal: Vec3) -> Self {
+        Self { point, normal, pixel: [0, 0], steps: [Vec3::ZERO; 2] }
+    }
 }
 
 /// [`Lookup::view`] of a receiver whose visibility is known without a map.
 pub const NO_VIEW: u32 = u32::MAX;
 
 /// What a receiver asks of the maps: one comparison depth at one place of one view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lookup {
     /// The index of the view, among all views of the frame; [`NO_VIEW`] if no map is asked.
     pub view: u32,
@@ -43,12 +56,24 @@ pub struct Lookup {
     pub depth: f32,
     /// The bias.
     pub bias: f32,
+    /// The cosine and sine of the angle by which a disc is turned; (1, 0) with other filters.
+    pub turn: Vec2,
+    /// The sides of the pixel's image in the map, in texels; zero with other filters than the footprint.
+    pub footprint: [Vec2; 2],
 }
 
 /// A lookup whose answer is known without a map.
 #[inline(always)]
 fn known(visibility: f32) -> Lookup {
-    Lookup { view: NO_VIEW, known: visibility, texel: Vec2::ZERO, depth: 0.0, bias: 0.0 }
+    Lookup {
+        view: NO_VIEW,
+        known: visibility,
+        texel: Vec2::ZERO,
+        depth: 0.0,
+        bias: 0.0,
+        turn: Vec2::X,
+        footprint: [Vec2::ZERO; 2],
+    }
 }
 
 /// What a receiver asks of the maps of a light. `views` are all views of the frame.
@@ -78,7 +103,8 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
         return known(1.0);
     }
     let normal = unit_normal(receiver.normal);
-    let needed = needed_depth(light, view, receiver.point, receiver.normal, w);
+    let footprint = footprint(light, view, receiver, w);
+    let needed = needed_depth(light, view, receiver.point, receiver.normal, w, footprint);
     let offset = normal_offset(light, view, receiver.point, normal, needed, w);
     let mut bias = depth_bias(light, view, needed, w);
     if offset > 0.0 {
@@ -96,7 +122,31 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if !inside || z < 0.0 {
         return known(1.0);
     }
-    Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias }
+    let mut turn = Vec2::X;
+    if light.filter == FILTER_DISC {
+        turn = turn_of_pixel(receiver.pixel);
+    }
+    Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias, turn, footprint }
+}
+
+/// The sides of a receiver's pixel in a view's map, in texels; zero where the filter does not look at them. `w` is the receiver's.
+///
+/// A point that moves by `d` moves in the map by `(r_x . d - x r_w . d) / w`, with the matrix's rows r and the point's place x before: the quotient rule.
+#[inline(always)]
+#[must_use]
+pub fn footprint(light: &LightPlan, view: &ViewPlan, receiver: &Receiver, w: f32) -> [Vec2; 2] {
+    if light.filter != FILTER_FOOTPRINT {
+        return [Vec2::ZERO; 2];
+    }
+    let x = row_times_point(view.clip_x, receiver.point) / w;
+    let y = row_times_point(view.clip_y, receiver.point) / w;
+    let side = |step: Vec3| {
+        let along_w = row_times_vector(view.clip_w, step);
+        let moved_x = (row_times_vector(view.clip_x, step) - x * along_w) / w;
+        let moved_y = (row_times_vector(view.clip_y, step) - y * along_w) / w;
+        Vec2::new(moved_x * view.texel_scale[0], moved_y * view.texel_scale[1])
+    };
+    [side(receiver.steps[0]), side(receiver.steps[1])]
 }
 
 /// A normal of unit length, of one of any length above 0 that f32 can hold: scaled first, so that its square can be taken.
@@ -117,5 +167,5 @@ pub fn visibility(light: &LightPlan, views: &[ViewPlan], maps: &impl MapAccess, 
     if lookup.view == NO_VIEW {
         return lookup.known;
     }
-    filtered_test(maps, &views[lookup.view as usize], light.filter, lookup.texel, lookup.depth, lookup.bias)
+    filtered_test(maps, &views[lookup.view as usize], light, &lookup)
 }

@@ -6,7 +6,8 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use shadow_math::{
     Camera, Light, LightShape, Receiver,
     bounds::Aabb,
-    triangle::{Ray, TrianglePoint, triangle_point, turned_to_viewer},
+    plan::PixelRays,
+    triangle::{Ray, TrianglePoint, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
 };
 
 use crate::source::SourceFacts;
@@ -295,16 +296,18 @@ impl Scene {
         triangle_point(ray, positions[i0], positions[i1], positions[i2])
     }
 
-    /// The receiver that a ray sees on a triangle.
+    /// The receiver that a pixel's ray sees on a triangle; `rays` are those through all pixels.
     ///
     /// # Panics
     ///
     /// If there is no such triangle.
     #[inline]
     #[must_use]
-    pub fn receiver(&self, triangle: u32, ray: Ray) -> Receiver {
+    pub fn receiver(&self, triangle: u32, rays: &PixelRays, pixel: [u32; 2]) -> Receiver {
+        let ray = pixel_ray(rays, pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5);
         let hit = self.point(triangle, ray);
-        Receiver { point: hit.point, normal: turned_to_viewer(hit.normal, hit.normal, ray) }
+        let normal = turned_to_viewer(hit.normal, hit.normal, ray);
+        Receiver { point: hit.point, normal, pixel, steps: pixel_steps(rays, ray, hit.point, normal) }
     }
 
     /// Whether the only camera is one that frames the bounds, since the scene brought none.

@@ -57,7 +57,7 @@ fn built_in_scenes_agree_under_every_setting() {
     for name in builtin::NAMES {
         let scene = builtin::by_name(name).expect("the name is listed");
         let camera = scene.cameras()[0].camera;
-        for filter in [Filter::Hard, Filter::Bilinear] {
+        for filter in Filter::ALL {
             for (bias_name, bias) in
                 [("none", Bias::None), ("constant", Bias::Constant { metres: 0.01 }), ("slope", Bias::default())]
             {
@@ -248,7 +248,7 @@ fn random_scenes_agree() {
         any::<bool>(),
         prop::array::uniform3(-7.0..7.0_f32),
         (0..3_usize, 17..400_u32, 20..200_u32, 10..150_u32),
-        prop::sample::select(vec![Filter::Hard, Filter::Bilinear]),
+        prop::sample::select(Filter::ALL.to_vec()),
     );
     let mut runner = TestRunner::new(ProptestConfig { cases: 48, ..ProptestConfig::default() });
     let result =
@@ -267,6 +267,8 @@ fn random_scenes_agree() {
                 _ => LightKind::Point { position, range: None },
             };
             let scene = lit_by(&scene, "light", Light { kind: light_kind, color: Vec3::ONE, intensity: 300.0 });
+            // Guard bands of wide filters leave nothing of the smallest maps.
+            let map_size = if matches!(filter, Filter::Hard | Filter::Bilinear) { map_size } else { map_size + 64 };
             let settings = ShadowSettings { filter, map_size, ..ShadowSettings::default() };
             check("random triangles", &scene, &camera, &settings, (width, height));
             Ok(())

@@ -5,7 +5,7 @@
 use std::{collections::BTreeSet, fs, mem::offset_of, path::Path};
 
 use naga::{
-    Expression, Handle, Literal, Module, ScalarKind, Type, TypeInner, VectorSize,
+    ArraySize, Expression, Handle, Literal, Module, ScalarKind, Type, TypeInner, VectorSize,
     proc::Layouter,
     valid::{Capabilities, ValidationFlags, Validator},
 };
@@ -15,13 +15,18 @@ use shadow_gpu::shaders::{
 };
 use shadow_math::{
     bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS, OFFSET_SLOPE},
+    filter::{
+        FOOTPRINT_TESTS_PER_TEXEL, MAX_FOOTPRINT_TESTS,
+        turn::{DITHER, TURNS},
+    },
     material::{
         DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP,
         WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
-        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL,
-        LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC,
+        FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays,
+        SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
     },
     shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
@@ -76,6 +81,7 @@ macro_rules! shapes {
 }
 
 shapes! {
+    [[f32; 4]; 8] = "array<vec4<f32>, 8>",
     f32 = "f32",
     u32 = "u32",
     [f32; 2] = "vec2<f32>",
@@ -129,6 +135,11 @@ fn layouts() -> Vec<Layout> {
             slope_scale,
             // `filter` is a reserved word in WGSL.
             filter as filter_kind,
+            filter_taps,
+            filter_reach,
+            filter_total,
+            padding,
+            filter_table,
         }),
         layout!(ViewPlan {
             clip_x,
@@ -179,6 +190,18 @@ impl Bits for [f32; 3] {
     }
 }
 
+impl<const N: usize> Bits for [[f32; 2]; N] {
+    fn bits(&self) -> Vec<u32> {
+        self.as_flattened().iter().map(|x| x.to_bits()).collect()
+    }
+}
+
+impl Bits for [u32; 16] {
+    fn bits(&self) -> Vec<u32> {
+        self.to_vec()
+    }
+}
+
 macro_rules! constants {
     ($($name:ident),* $(,)?) => { vec![$((stringify!($name), $name.bits())),*] };
 }
@@ -187,6 +210,10 @@ macro_rules! constants {
 fn constants() -> Vec<(&'static str, Vec<u32>)> {
     // What `depth_gradient` of shadow-math gives for a plane that is seen edge-on.
     const MAX_GRADIENT: f32 = f32::MAX;
+    // What `support` takes for too much.
+    const MAX_FLOAT: f32 = f32::MAX;
+    // The sides of a footprint where there is none.
+    const NO_FOOTPRINT: [[f32; 2]; 2] = [[0.0; 2]; 2];
     constants![
         LIGHT_DIRECTIONAL,
         LIGHT_SPOT,
@@ -199,6 +226,16 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         BIAS_AUTOMATIC,
         FILTER_HARD,
         FILTER_BILINEAR,
+        FILTER_SEPARABLE,
+        FILTER_CROSS,
+        FILTER_DISC,
+        FILTER_FOOTPRINT,
+        MAX_FOOTPRINT_TESTS,
+        FOOTPRINT_TESTS_PER_TEXEL,
+        MAX_FLOAT,
+        TURNS,
+        DITHER,
+        NO_FOOTPRINT,
         SNAP_TEXELS,
         MAX_DEPTH_BIAS,
         MAX_GRADIENT,
@@ -267,6 +304,9 @@ fn shape_name(module: &Module, handle: Handle<Type>) -> String {
                 VectorSize::Quad => 4,
             };
             format!("vec{size}<{}>", kind(scalar.kind))
+        }
+        (None, TypeInner::Array { base, size: ArraySize::Constant(count), .. }) => {
+            format!("array<{}, {count}>", shape_name(module, *base))
         }
         (Some(name), _) => name.clone(),
         (None, inner) => format!("{inner:?}"),

@@ -13,21 +13,25 @@ use shadow_math::{
     Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
     bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset},
     bounds::Aabb,
-    filter::{depth_test, filtered_test, support, weighted_taps},
+    filter::{
+        depth_test, disc_place, filtered_test, footprint_counts, footprint_place, support,
+        taps::{for_each_test_place, for_each_weighted_tap},
+        turn::turn_of_pixel,
+    },
     fit::cube_face_of,
     material::{
         DECODE_TABLE_LEN, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, base_color, decode_texel,
         sample_texture, wrap_texel,
     },
     plan::{
-        BIAS_AUTOMATIC, BIAS_SLOPE, FILTER_BILINEAR, FILTER_HARD, LightPlan, MAX_VIEWS_PER_LIGHT, SPLIT_SINGLE, ViewPlan,
-        plan_light, toward_light,
+        BIAS_AUTOMATIC, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE,
+        ViewPlan, plan_light, toward_light,
     },
     shade::{Surface, attenuation, shade_ambient, shade_light},
     srgb::{decode_table, linear_to_srgb},
-    triangle::{Ray, pixel_ray, triangle_point, turned_to_viewer},
-    vector::{normalized, row_times_point},
-    visibility::{NO_VIEW, lookup, unit_normal, visibility},
+    triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
+    vector::{normalized, row_times_point, row_times_vector},
+    visibility::{Lookup, NO_VIEW, lookup, unit_normal, visibility},
 };
 use shadow_tests::{
     mirror::{Globals, MIRRORS, evaluate, ulps},
@@ -102,6 +106,16 @@ const TABLE: &[Mirror] = &[
         },
         bound: 4,
         reason: "two roundings of the terms on each side",
+    },
+    Mirror {
+        file: "vector",
+        functions: &["row_times_vector"],
+        statements: "output(0u, row_times_vector(vec4f(input3(0u), 7.0), input3(3u)));",
+        inputs_each: 6,
+        inputs: |_, random| pairs_of_vectors(random),
+        twin: |_, i| vec![sum(row_times_vector([i[0], i[1], i[2], 7.0], v3(i, 3)), &[v3(i, 0) * v3(i, 3)])],
+        bound: 6,
+        reason: "three roundings of the terms on each side",
     },
     Mirror {
         file: "vector",
@@ -214,6 +228,41 @@ const TABLE: &[Mirror] = &[
         reason: "a sign, except where the surface is seen edge-on",
     },
     Mirror {
+        file: "triangle",
+        functions: &["pixel_steps", "plane_step"],
+        statements: "let zero = vec4f(0.0, 0.0, 0.0, 0.0);
+            let rays = PixelRays(zero, vec4f(input3(12u), 0.0), zero, zero, zero, vec4f(input3(15u), 0.0));
+            let steps = pixel_steps(rays, Ray(input3(0u), input3(3u)), input3(6u), input3(9u));
+            output3(0u, steps.x);
+            output3(3u, steps.y);",
+        inputs_each: 18,
+        inputs: |_, random| {
+            random.groups::<18>(&[], |random| {
+                let mut group = random.numbers::<18>(5.0);
+                let (direction, normal) = (v3(&group, 3), v3(&group, 9));
+                // Rays that do not nearly run along the plane.
+                if normal.dot(direction).abs() < 0.2 * normal.length() * direction.length() {
+                    group[9..12].copy_from_slice(&(direction + 0.5 * normal).to_array());
+                }
+                group
+            })
+        },
+        twin: |_, i| {
+            let pad = |first: usize| v3(i, first).extend(0.0).to_array();
+            let rays = PixelRays { origin_dx: pad(12), direction_dy: pad(15), ..PixelRays::default() };
+            let ray = Ray { origin: v3(i, 0), direction: v3(i, 3) };
+            let (point, normal) = (v3(i, 6), v3(i, 9));
+            let steps = pixel_steps(&rays, ray, point, normal);
+            let across = 1.0 + normal.length() * ray.direction.length() / normal.dot(ray.direction).abs();
+            let distance = (point - ray.origin).abs().element_sum() * across;
+            let scales = [v3(i, 12).length() * across * across, v3(i, 15).length() * distance * across * across];
+            let numbers = |step: usize| steps[step].to_array().map(|value| Number { value, scale: scales[step] });
+            [numbers(0), numbers(1)].concat()
+        },
+        bound: 64,
+        reason: "two quotients of dot products that may be five times as small as their terms",
+    },
+    Mirror {
         file: "bias",
         functions: &["depth_gradient", "normal_derivative"],
         statements: "let gradient = depth_gradient(u32(input(0u)), input3(1u), input3(4u));
@@ -245,7 +294,7 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "bias",
         functions: &["depth_bias", "metres_to_depth"],
-        statements: "let needed = needed_depth(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u));
+        statements: "let needed = needed_depth(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u), NO_FOOTPRINT);
             output(0u, depth_bias(u32(input(0u)), u32(input(1u)), needed, input(8u)));",
         inputs_each: 9,
         inputs: |world, random| {
@@ -268,8 +317,9 @@ const TABLE: &[Mirror] = &[
         },
         twin: |world, i| {
             let (light, view, point, normal, w) = (world.light(i[0]), world.view(i[1]), v3(i, 2), v3(i, 5), i[8]);
-            let value = depth_bias(light, view, needed_depth(light, view, point, normal, w), w);
-            vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, w) }]
+            let none = [Vec2::ZERO; 2];
+            let value = depth_bias(light, view, needed_depth(light, view, point, normal, w, none), w);
+            vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, w, none) }]
         },
         bound: 48,
         reason: "those of the gradient, and three more divisions",
@@ -281,19 +331,21 @@ const TABLE: &[Mirror] = &[
             let normal = unit_normal(input3(4u));
             let view = lights[u32(input(0u))].first_view;
             let w = row_times_point(views[view].clip_w, point);
-            let needed = needed_depth(u32(input(0u)), view, point, normal, w);
+            let sides = Footprint(vec2f(input(9u), input(10u)), vec2f(input(11u), input(12u)));
+            let needed = needed_depth(u32(input(0u)), view, point, normal, w, sides);
             output(0u, needed);
             output(1u, normal_offset(u32(input(0u)), view, point, normal, needed, w));",
-        inputs_each: 7,
+        inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
             let (light, receiver) = receiver(world, i);
             let view = &world.globals.views[light.first_view as usize];
             let normal = unit_normal(receiver.normal);
             let w = row_times_point(view.clip_w, receiver.point);
-            let needed = needed_depth(light, view, receiver.point, normal, w);
+            let sides = [Vec2::new(i[9], i[10]), Vec2::new(i[11], i[12])];
+            let needed = needed_depth(light, view, receiver.point, normal, w, sides);
             let offset = normal_offset(light, view, receiver.point, normal, needed, w);
-            let [needed_scale, offset_scale] = magnitude_of_need(light, view, receiver.point, normal, w);
+            let [needed_scale, offset_scale] = magnitude_of_need(light, view, receiver.point, normal, w, sides);
             vec![Number { value: needed, scale: needed_scale }, Number { value: offset, scale: offset_scale }]
         },
         bound: 64,
@@ -315,12 +367,36 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "filter",
         functions: &["support"],
-        statements: "output(0u, support(u32(input(0u))));",
-        inputs_each: 1,
-        inputs: |_, random| random.groups::<1>(&[], |random| [random.below(FILTER_BILINEAR + 1) as f32]),
-        twin: |_, i| vec![support(i[0] as u32).into()],
+        statements: "let sides = Footprint(vec2f(input(3u), input(4u)), vec2f(input(5u), input(6u)));
+            output(0u, support(u32(input(0u)), vec2f(input(1u), input(2u)), sides));",
+        inputs_each: 7,
+        inputs: |world, random| {
+            let edges = [[0.0; 7], [0.0, f32::MAX, f32::MAX, 1.0, 1.0, 1.0, 1.0]];
+            random.groups(&edges, |random| {
+                let light = random.below(world.globals.lights.len() as u32) as f32;
+                let [a, b] = [random.vector(0.1), random.vector(9.0)];
+                [light, a.x, a.y, a.z * 90.0, b.x, b.y, b.z]
+            })
+        },
+        twin: |world, i| {
+            let sides = [Vec2::new(i[3], i[4]), Vec2::new(i[5], i[6])];
+            let scale = 1.0 + sides[0].abs().element_sum() + sides[1].abs().element_sum();
+            vec![Number { value: support(world.light(i[0]), Vec2::new(i[1], i[2]), sides), scale }]
+        },
+        bound: 16,
+        reason: "two quotients, two products of each side, and a square root",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["turn_of_pixel"],
+        statements: "let turn = turn_of_pixel(vec2u(u32(input(0u)), u32(input(1u))));
+            output(0u, turn.x);
+            output(1u, turn.y);",
+        inputs_each: 2,
+        inputs: |_, random| random.groups::<2>(&[], |random| [random.below(9999) as f32, random.below(9999) as f32]),
+        twin: |_, i| turn_of_pixel([i[0] as u32, i[1] as u32]).to_array().map(Number::from).to_vec(),
         bound: 0,
-        reason: "a constant",
+        reason: "a table",
     },
     Mirror {
         file: "filter",
@@ -336,32 +412,110 @@ const TABLE: &[Mirror] = &[
         },
         twin: |world, i| {
             let value = depth_test(&world.map(), world.view(i[0]), i[1] as i32, i[2] as i32, i[3], i[4]);
-            vec![Number { value, scale: world.scale_of_tests(i[0], FILTER_HARD, Vec2::new(i[1], i[2]), i[3], i[4], 0.0) }]
+            let (view, texel) = (i[0] as u32, Vec2::new(i[1], i[2]));
+            let lookup = Lookup { view, texel, depth: i[3], bias: i[4], ..Lookup::default() };
+            vec![Number { value, scale: world.scale_of_tests(&LightPlan::default(), &lookup, 0.0) }]
         },
         bound: 0,
         reason: "0 or 1, except where the depths tie",
     },
     Mirror {
         file: "filter",
-        functions: &["filtered_test"],
-        statements: "output(0u, filtered_test(u32(input(0u)), u32(input(1u)), vec2f(input(2u), input(3u)), input(4u),
-            input(5u)));",
-        inputs_each: 6,
+        functions: &["disc_place", "footprint_place", "footprint_count"],
+        statements: "let sides = Footprint(vec2f(input(6u), input(7u)), vec2f(input(8u), input(9u)));
+            let asked = Lookup(0u, 0.0, vec2f(input(2u), input(3u)), 0.0, 0.0, vec2f(input(4u), input(5u)), sides);
+            let of_disc = disc_place(u32(input(0u)), asked, u32(input(1u)));
+            output(0u, of_disc.x);
+            output(1u, of_disc.y);
+            let counts = vec2u(footprint_count(asked.footprint.x), footprint_count(asked.footprint.y));
+            output(2u, f32(counts.x));
+            let at = vec2u(u32(input(1u)) % counts.x, u32(input(1u)) % counts.y);
+            let of_footprint = footprint_place(asked, at, counts);
+            output(3u, of_footprint.x);
+            output(4u, of_footprint.y);",
+        inputs_each: 10,
         inputs: |world, random| {
-            random.groups::<6>(&[], |random| {
-                let filter = random.below(FILTER_BILINEAR + 1) as f32;
-                let [view, x, y] = world.view_and_texel(random);
-                let bias = random.bias();
-                [view, filter, x, y, world.depth_near(random, view, x.floor(), y.floor(), bias), bias]
+            random.groups::<10>(&[], |random| {
+                let light = random.below(world.globals.lights.len() as u32) as f32;
+                let [_, x, y] = world.view_and_texel(random);
+                let turn = turn_of_pixel([random.below(4), random.below(4)]);
+                let [a, b] = [random.vector(4.0), random.vector(4.0)];
+                [light, random.below(16) as f32, x, y, turn.x, turn.y, a.x, a.y, b.x, b.y]
             })
         },
         twin: |world, i| {
-            let (texel, filter) = (Vec2::new(i[2], i[3]), i[1] as u32);
-            let value = filtered_test(&world.map(), world.view(i[0]), filter, texel, i[4], i[5]);
-            vec![Number { value, scale: world.scale_of_tests(i[0], filter, texel, i[4], i[5], 0.0) }]
+            let lookup = Lookup {
+                texel: Vec2::new(i[2], i[3]),
+                turn: Vec2::new(i[4], i[5]),
+                footprint: [Vec2::new(i[6], i[7]), Vec2::new(i[8], i[9])],
+                ..Lookup::default()
+            };
+            let tap = i[1] as u32;
+            let light = world.light(i[0]);
+            let of_disc = disc_place(light, &lookup, tap);
+            let counts = footprint_counts(&lookup);
+            let of_footprint = footprint_place(&lookup, [tap % counts[0], tap % counts[1]], counts);
+            // A side of a whole number of half texels is a choice of its own.
+            let is_choice = lookup.footprint.iter().any(|side| (2.0 * side.abs().max_element()).fract() < 1e-6);
+            let choice = if is_choice { f32::INFINITY } else { 1.0 };
+            let reach = 32.0 + light.filter_table.as_flattened().iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+            [(of_disc.x, reach), (of_disc.y, reach), (counts[0] as f32, choice), (of_footprint.x, 40.0 * choice), (of_footprint.y, 40.0 * choice)]
+                .map(|(value, scale)| Number { value, scale })
+                .to_vec()
         },
         bound: 4,
-        reason: "two interpolations of zeros and ones",
+        reason: "two products and two sums, the larger of which are texels",
+    },
+    Mirror {
+        file: "filter",
+        functions: &[
+            "filtered_test",
+            "test_at",
+            "bilinear_test",
+            "kernel_weight",
+            "separable_test",
+            "cross_test",
+            "disc_test",
+            "footprint_test",
+        ],
+        statements: "let sides = Footprint(vec2f(input(8u), input(9u)), vec2f(input(10u), input(11u)));
+            let asked = Lookup(u32(input(1u)), 0.0, vec2f(input(2u), input(3u)), input(4u), input(5u), vec2f(input(6u), input(7u)), sides);
+            output(0u, filtered_test(u32(input(0u)), asked));",
+        inputs_each: 12,
+        inputs: |world, random| {
+            random.groups::<12>(&[], |random| {
+                let light = random.below(world.globals.lights.len() as u32) as f32;
+                let [view, x, y] = world.view_and_texel(random);
+                let bias = random.bias();
+                let turn = turn_of_pixel([random.below(4), random.below(4)]);
+                let size = if random.below(2) == 0 { 1.0 } else { 12.0 };
+                let [a, b] = [random.vector(size), random.vector(size)];
+                let depth = world.depth_near(random, view, x.floor(), y.floor(), bias);
+                [light, view, x, y, depth, bias, turn.x, turn.y, a.x, a.y, b.x, b.y]
+            })
+        },
+        twin: |world, i| {
+            let light = world.light(i[0]);
+            let lookup = Lookup {
+                view: i[1] as u32,
+                known: 0.0,
+                texel: Vec2::new(i[2], i[3]),
+                depth: i[4],
+                bias: i[5],
+                turn: Vec2::new(i[6], i[7]),
+                footprint: [Vec2::new(i[8], i[9]), Vec2::new(i[10], i[11])],
+            };
+            let value = filtered_test(&world.map(), world.view(i[1]), light, &lookup);
+            // A turned place may be rounded over a border; a place that is given may not.
+            let mut is_choice = false;
+            if light.filter > FILTER_SEPARABLE {
+                for_each_test_place(light, &lookup, |place| is_choice |= (place - place.round()).abs().min_element() < 1e-4);
+            }
+            let scale = world.scale_of_tests(light, &lookup, 0.0);
+            vec![Number { value, scale: if is_choice { f32::INFINITY } else { scale } }]
+        },
+        bound: 64,
+        reason: "a hundred weighted zeros and ones",
     },
     Mirror {
         file: "visibility",
@@ -379,15 +533,18 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "visibility",
-        functions: &["lookup", "known_lookup"],
-        statements: "let found = lookup(u32(input(0u)), Receiver(input3(1u), input3(4u)));
+        functions: &["lookup", "known_lookup", "footprint", "footprint_side"],
+        statements: "let found = lookup(u32(input(0u)), Receiver(input3(1u), input3(4u), vec2u(u32(input(7u)), u32(input(8u))), PixelSteps(input3(9u), input3(12u))));
             output(0u, select(f32(found.view), -1.0, found.view == NO_VIEW));
             output(1u, found.known);
             output(2u, found.texel.x);
             output(3u, found.texel.y);
             output(4u, found.depth);
-            output(5u, found.bias);",
-        inputs_each: 7,
+            output(5u, found.bias);
+            output(6u, found.turn.x);
+            output(7u, found.footprint.x.x);
+            output(8u, found.footprint.y.y);",
+        inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
             let (light, receiver) = receiver(world, i);
@@ -400,7 +557,10 @@ const TABLE: &[Mirror] = &[
             // Any number may be infinitely wrong only together with the choice among the answers.
             let choice = if scale[0].is_finite() { 1.0 } else { f32::INFINITY };
             let [view, known] = [view, found.known].map(|value| Number { value, scale: choice });
-            vec![view, known, x, y, depth, bias]
+            let turn = Number { value: found.turn.x, scale: choice };
+            let sides = world.scale_of_footprint(light, &receiver);
+            let side = |value, scale: f32| Number { value, scale: scale * choice };
+            vec![view, known, x, y, depth, bias, turn, side(found.footprint[0].x, sides), side(found.footprint[1].y, sides)]
         },
         bound: 48,
         reason: "a quotient of two rows, and the bias; the answer's kind is exact but at the borders",
@@ -408,8 +568,8 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "visibility",
         functions: &["visibility"],
-        statements: "output(0u, visibility(u32(input(0u)), Receiver(input3(1u), input3(4u))));",
-        inputs_each: 7,
+        statements: "output(0u, visibility(u32(input(0u)), Receiver(input3(1u), input3(4u), vec2u(u32(input(7u)), u32(input(8u))), PixelSteps(input3(9u), input3(12u)))));",
+        inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
             let (light, receiver) = receiver(world, i);
@@ -418,14 +578,15 @@ const TABLE: &[Mirror] = &[
             let scale = world.scale_of_lookup(light, &receiver);
             let found = lookup(light, views, &receiver);
             // The contract's: a hard test jumps at a texel's border.
-            let at_border = light.filter == FILTER_HARD && (found.texel - found.texel.round()).abs().min_element() < 1.0 / 256.0;
+            let mut at_border = false;
+            for_each_test_place(light, &found, |place| at_border |= (place - place.round()).abs().min_element() < 1.0 / 256.0);
             let known = found.view == NO_VIEW;
             let tests = if known {
                 1.0
             } else {
                 // What rounding may add to both sides of the comparison.
                 let lost = 48.0 * (unit_of(scale[2]) + unit_of(scale[3]));
-                world.scale_of_tests(found.view as f32, light.filter, found.texel, found.depth, found.bias, lost)
+                world.scale_of_tests(light, &found, lost)
             };
             let undecided = !scale[0].is_finite() || (at_border && !known);
             vec![Number { value, scale: if undecided { f32::INFINITY } else { tests } }]
@@ -739,12 +900,14 @@ fn receivers_take_every_way() {
         let plan = &world.globals.lights[index];
         // Nothing lies outside of a cube.
         let outside_wanted = plan.split == SPLIT_SINGLE;
+        // Of a hundred tests of a noisy map some pass and some do not.
+        let is_narrow = plan.filter <= FILTER_BILINEAR;
         for (what, count, wanted) in [
             ("turned away", turned_away, true),
             ("outside", outside, outside_wanted),
             ("compared", compared, true),
-            ("lit", lit, true),
-            ("shadowed", shadowed, true),
+            ("lit", lit, is_narrow),
+            ("shadowed", shadowed, is_narrow),
         ] {
             assert!(!wanted || count >= 5, "light {index}: only {count} receivers are {what}");
         }
@@ -765,7 +928,7 @@ fn a_function_that_is_not_the_twin_is_seen() {
         ("wrap_texel", "output(0u, f32(wrap_texel(i32(input(0u)) + 1, i32(input(1u)), u32(input(2u)))));"),
         (
             "visibility",
-            "var receiver = Receiver(input3(1u), input3(4u)); receiver.normal = -receiver.normal;
+            "var receiver = Receiver(input3(1u), input3(4u), vec2u(u32(input(7u)), u32(input(8u))), PixelSteps(input3(9u), input3(12u))); receiver.normal = -receiver.normal;
             output(0u, visibility(u32(input(0u)), receiver));",
         ),
     ];

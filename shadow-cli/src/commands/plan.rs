@@ -209,7 +209,7 @@ fn text(report: &Report<'_>) -> String {
                 format!("{:.3} m", view.depth_range[1]),
                 format!("{:.2} x {:.2} mm{at}", 1e3 * view.texel_metres[0], 1e3 * view.texel_metres[1]),
                 bias_text(&light.bias),
-                format!("{:?}", light.filter).to_lowercase(),
+                light.filter.name().into(),
             ]);
         }
     }

@@ -309,7 +309,7 @@ fn text(report: &Report<'_>) -> String {
 
 /// How many maps of which size a light has, and how they are filtered.
 fn maps(report: &Report<'_>, light: &LightReport) -> String {
-    let filter = format!("{:?}", report.filter).to_lowercase();
+    let filter = report.filter.name();
     format!("{} of {size} x {size}, {filter}", count(light.maps as usize, "map"), size = report.map_size)
 }
 

@@ -7,7 +7,7 @@ use shadow_math::{
     filter::support,
     plan::{LightPlan, SNAP_TEXELS, ViewPlan},
     vector::row_times_point,
-    visibility::{Lookup, lookup},
+    visibility::{Lookup, footprint, lookup},
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, SceneLight};
 
@@ -38,10 +38,11 @@ struct NeededParts {
 impl NeededParts {
     fn of(light: &LightPlan, view: &ViewPlan, receiver: &Receiver) -> Self {
         let w = row_times_point(view.clip_w, receiver.point);
-        let gradient = depth_gradient(view, receiver.point, receiver.normal).abs();
-        let slope = gradient.element_sum() * GRADIENT_MARGIN;
+        let gradient = depth_gradient(view, receiver.point, receiver.normal);
+        let slope = gradient.abs().element_sum() * GRADIENT_MARGIN;
+        let sides = footprint(light, view, receiver, w);
         Self {
-            filter: slope * support(light.filter) * light.slope_scale,
+            filter: slope * support(light, gradient, sides) * light.slope_scale,
             snap: slope * SNAP_TEXELS,
             rounding: slope * (view.rounding_texels[0] + view.rounding_texels[1] / w)
                 + (view.rounding_depth[0] + view.rounding_depth[1] / w),
@@ -138,7 +139,7 @@ mod tests {
         Light, LightKind, ShadowSettings,
         bias::needed_depth,
         bounds::Aabb,
-        glam::Vec3,
+        glam::{Vec2, Vec3},
         plan::{MAX_VIEWS_PER_LIGHT, plan_light},
     };
 
@@ -158,13 +159,13 @@ mod tests {
             let settings = ShadowSettings { map_size: 256, ..ShadowSettings::default() };
             let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light is planned");
             for view in &views[..plan.view_count as usize] {
-                let receiver = Receiver { point: Vec3::new(0.5, -1.0, 0.25), normal: Vec3::new(0.2, 1.0, -0.4) };
+                let receiver = Receiver::new(Vec3::new(0.5, -1.0, 0.25), Vec3::new(0.2, 1.0, -0.4));
                 let w = row_times_point(view.clip_w, receiver.point);
                 if w <= 0.0 {
                     continue;
                 }
                 let parts = NeededParts::of(&plan, view, &receiver);
-                let needed = needed_depth(&plan, view, receiver.point, receiver.normal, w);
+                let needed = needed_depth(&plan, view, receiver.point, receiver.normal, w, [Vec2::ZERO; 2]);
                 let sum = parts.filter + parts.snap + parts.rounding;
                 // Three products and sums are rounded otherwise than one.
                 assert!((sum - needed).abs() <= 1e-6 * needed, "{sum} {needed}");

@@ -6,7 +6,6 @@ use shadow_math::{
     LightKind, LightShape, MapAccess, Receiver,
     filter::filtered_test,
     plan::{LightPlan, ViewPlan},
-    triangle::pixel_ray,
     visibility::{Lookup, lookup},
 };
 use shadow_scene::{Frame, FrameMaps, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
@@ -210,7 +209,7 @@ impl<'a> Judge<'a> {
         let answer = |receiver: &Receiver| {
             let found = ask(light_plan, &plan.views, receiver);
             let Some(view) = plan.views.get(found.view as usize) else { return found.known };
-            filtered_test(maps, view, light_plan.filter, found.texel, found.depth, found.bias)
+            filtered_test(maps, view, light_plan, &found)
         };
         // Where nothing is drawn, everything is lit.
         let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, answer);
@@ -331,7 +330,7 @@ impl<'a> Judge<'a> {
 
 /// What a renderer's receiver is at a pixel that shows this triangle.
 pub(super) fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32, y: u32) -> Receiver {
-    scene.receiver(triangle, pixel_ray(&plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5))
+    scene.receiver(triangle, &plan.camera.rays, [x, y])
 }
 
 /// Shadow maps of any kind.

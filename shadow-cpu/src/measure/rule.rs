@@ -8,10 +8,11 @@ use glam::{Vec2, Vec3};
 use shadow_math::{
     Receiver,
     bias::{depth_gradient, needed_depth, normal_offset},
+    filter::turn::turn_of_pixel,
     fit::cube_face_of,
-    plan::{LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    plan::{FILTER_DISC, LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
     vector::row_times_point,
-    visibility::{Lookup, NO_VIEW, unit_normal},
+    visibility::{Lookup, NO_VIEW, footprint, unit_normal},
 };
 
 /// How far a rule moves a receiver along its normal.
@@ -150,7 +151,7 @@ impl Rule {
     /// What a receiver asks of the maps of a light by this rule; as [`lookup`](shadow_math::visibility::lookup) otherwise.
     #[must_use]
     pub fn ask(&self, light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
-        let known = |known| Lookup { view: NO_VIEW, known, texel: Vec2::ZERO, depth: 0.0, bias: 0.0 };
+        let known = |known| Lookup { view: NO_VIEW, known, ..Lookup::default() };
         let toward = toward_light(light, receiver.point);
         if !(receiver.normal.dot(toward) > 0.0) {
             return known(0.0);
@@ -165,6 +166,7 @@ impl Rule {
             return known(1.0);
         }
         let normal = unit_normal(receiver.normal);
+        let sides = footprint(light, view, receiver, w);
         let (step, bias) = self.step_and_bias(light, view, receiver, normal, toward, w);
         let point = receiver.point + step;
         let w = row_times_point(view.clip_w, point);
@@ -182,7 +184,9 @@ impl Rule {
         }
         // `z <= stored (1 + s)` is `z / (1 + s) <= stored`.
         let of_stored = if let Self::Engine { of_stored, .. } = self { *of_stored } else { 0.0 };
-        Lookup { view: index, known: 0.0, texel, depth: ndc.z.min(1.0) / (1.0 + of_stored), bias }
+        let depth = ndc.z.min(1.0) / (1.0 + of_stored);
+        let turn = if light.filter == FILTER_DISC { turn_of_pixel(receiver.pixel) } else { Vec2::X };
+        Lookup { view: index, known: 0.0, texel, depth, bias, turn, footprint: sides }
     }
 
     /// How far the receiver is moved, in metres, and what is added to the stored depth.
@@ -199,7 +203,7 @@ impl Rule {
         let direction = toward.normalize_or_zero();
         match *self {
             Self::Automatic { scale } => {
-                let needed = scale * needed_depth(light, view, point, receiver.normal, w);
+                let needed = scale * needed_depth(light, view, point, receiver.normal, w, footprint(light, view, receiver, w));
                 let offset = normal_offset(light, view, point, normal, needed, w);
                 (normal * offset, if offset > 0.0 { 0.0 } else { needed.min(1.0) })
             }
@@ -249,7 +253,7 @@ mod tests {
         let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
         let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
         let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light is planned");
-        let receiver = Receiver { point: Vec3::new(0.5, 1.0, -0.25), normal: Vec3::new(3.0, 4.0, 1.0) };
+        let receiver = Receiver::new(Vec3::new(0.5, 1.0, -0.25), Vec3::new(3.0, 4.0, 1.0));
         (plan, views[..1].to_vec(), receiver)
     }
 

@@ -52,7 +52,7 @@ impl Stability {
             let mut rays = tracer.rays();
             let mut stability = Self::default();
             for point in points {
-                let receiver = Receiver { point: point.position.as_vec3(), normal: point.normal.as_vec3() };
+                let receiver = Receiver::new(point.position.as_vec3(), point.normal.as_vec3());
                 for light in 0..before.lights.len() {
                     let seen = |moment: &Moment<'_, M>| {
                         visibility(&moment.plan.lights[light], &moment.plan.views, moment.maps, &receiver)

@@ -4,7 +4,7 @@ use core::f64::consts::SQRT_2;
 
 use glam::{DVec3, DVec4, IVec2};
 use shadow_math::{
-    filter::weighted_taps,
+    filter::taps::for_each_weighted_tap,
     fit::cube_face_of,
     plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
     vector::row_times_point,
@@ -18,9 +18,6 @@ use crate::trace::{Clearance, SurfacePoint};
 /// `2^-24` of its size, on each axis, and so by `sqrt(3)` of that across the plane. Three of them decide a triangle's plane, and where a fourth is met, as in
 /// a quadrilateral's other half, all four add up: `4 sqrt(3) 2^-24`, a little less than this.
 const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 21) as f64;
-
-/// The most taps of a filter.
-const MAX_TAPS: usize = 4;
 
 /// Eight directions around a texel's centre.
 const AROUND: [[f64; 2]; 8] =
@@ -39,8 +36,7 @@ pub(super) struct HidingTap {
 pub(super) struct Taps<'a> {
     view: &'a ViewPlan,
     receiver: &'a SurfacePoint,
-    texels: [IVec2; MAX_TAPS],
-    count: usize,
+    texels: Vec<IVec2>,
     /// How far the tap's points lie above the receiver's plane, in metres.
     lift: f64,
     /// How far the outline of a caster in the map can be from the true one, in texels on each axis: half a step of the sub-pixel grid that corners are
@@ -51,17 +47,21 @@ pub(super) struct Taps<'a> {
 impl<'a> Taps<'a> {
     /// The taps that a lookup in this view weighs. `largest` is the largest coordinate of the receiver's triangle, in metres.
     pub(super) fn of(light: &LightPlan, view: &'a ViewPlan, lookup: &Lookup, receiver: &'a SurfacePoint, largest: f64) -> Self {
-        let (texels, count) = weighted_taps(light.filter, lookup.texel);
+        let mut texels = Vec::new();
+        for_each_weighted_tap(light, lookup, |texel| texels.push(texel));
+        // Several tests of a disc or a footprint fall into the same texel.
+        texels.sort_unstable_by_key(|texel| (texel.y, texel.x));
+        texels.dedup();
         let w = row_times_point(view.clip_w, receiver.position.as_vec3());
         let rounding = view.rounding_texels[0] + view.rounding_texels[1] / w.max(view.depth_range[0].max(f32::MIN_POSITIVE));
         let outline_error = f64::from(SNAP_TEXELS + rounding);
-        Self { view, receiver, texels, count, lift: receiver.lift + VERTEX_ROUNDING * largest, outline_error }
+        Self { view, receiver, texels, lift: receiver.lift + VERTEX_ROUNDING * largest, outline_error }
     }
 
     /// Whether any texel belongs to another map of the light, or to none.
     pub(super) fn cross_seam(&self, light: &LightPlan, lookup: &Lookup) -> bool {
         let [left, top, width, height] = self.view.rect.map(|side| side as i32);
-        self.texels[..self.count].iter().any(|texel| {
+        self.texels.iter().any(|texel| {
             let is_inside = texel.x >= left && texel.y >= top && texel.x < left + width && texel.y < top + height;
             let is_of_other_face = || {
                 let face = |point: SurfacePoint| cube_face_of(-toward_light(light, point.position.as_vec3()));
@@ -73,19 +73,19 @@ impl<'a> Taps<'a> {
 
     /// The points of the receiver's plane behind the texels' centres; `None` for each that the light's ray does not meet.
     pub(super) fn centers(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
-        self.texels[..self.count].iter().map(|texel| self.point(*texel, [0.0; 2]))
+        self.texels.iter().map(|texel| self.point(*texel, [0.0; 2]))
     }
 
     /// As [`Self::centers`], for points beside the centres by as much as outlines in the map can be off.
     pub(super) fn around(&self) -> impl Iterator<Item = Option<SurfacePoint>> {
         let e = self.outline_error;
-        self.texels[..self.count].iter().flat_map(move |texel| AROUND.map(|[x, y]| self.point(*texel, [x * e, y * e])))
+        self.texels.iter().flat_map(move |texel| AROUND.map(|[x, y]| self.point(*texel, [x * e, y * e])))
     }
 
     /// The taps whose texels hide the receiver.
     pub(super) fn hiding(&self, maps: &(dyn MapAccess + Sync), lookup: &Lookup) -> impl Iterator<Item = HidingTap> {
         let [left, top, width, height] = self.view.rect.map(|side| side as i32);
-        self.texels[..self.count].iter().filter_map(move |&texel| {
+        self.texels.iter().filter_map(move |&texel| {
             let is_inside = texel.x >= left && texel.y >= top && texel.x < left + width && texel.y < top + height;
             if !is_inside {
                 return None;

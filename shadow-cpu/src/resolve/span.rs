@@ -7,7 +7,7 @@ use shadow_math::{
     Receiver,
     glam::Vec3,
     plan::PixelRays,
-    triangle::{pixel_ray, triangle_point, turned_to_viewer},
+    triangle::{pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
 };
 use shadow_scene::{NO_TRIANGLE, Vertices};
 
@@ -164,16 +164,19 @@ pub(crate) struct Hits {
     pub(crate) side: Numbers,
     pub(crate) u: Numbers,
     pub(crate) v: Numbers,
+    /// The first pixel.
+    pixel: [u32; 2],
 }
 
 impl Hits {
     pub(crate) const EMPTY: Self =
-        Self { point: Vectors::ZERO, normal: Vectors::ZERO, side: [0.0; SPAN], u: [0.0; SPAN], v: [0.0; SPAN] };
+        Self { point: Vectors::ZERO, normal: Vectors::ZERO, side: [0.0; SPAN], u: [0.0; SPAN], v: [0.0; SPAN], pixel: [0; 2] };
 
     /// Intersects the span that begins at pixel (`x`, `y`).
     #[inline(always)]
     pub(crate) fn intersect(&mut self, corners: &Corners, rays: &PixelRays, x: usize, y: usize) {
         let rays = *rays;
+        self.pixel = [x as u32, y as u32];
         let [p0, p1, p2] = &corners.position;
         let y = y as f32 + 0.5;
         for i in 0..SPAN {
@@ -189,6 +192,16 @@ impl Hits {
 
     #[inline(always)]
     pub(crate) fn receiver(&self, i: usize) -> Receiver {
-        Receiver { point: self.point.get(i), normal: self.normal.get(i) }
+        let [x, y] = self.pixel;
+        Receiver { pixel: [x + i as u32, y], ..Receiver::new(self.point.get(i), self.normal.get(i)) }
+    }
+
+    /// The same with what a footprint is made of.
+    #[inline(always)]
+    pub(crate) fn receiver_with_steps(&self, rays: &PixelRays, i: usize) -> Receiver {
+        let receiver = self.receiver(i);
+        let [x, y] = receiver.pixel;
+        let ray = pixel_ray(rays, x as i32 as f32 + 0.5, y as i32 as f32 + 0.5);
+        Receiver { steps: pixel_steps(rays, ray, receiver.point, receiver.normal), ..receiver }
     }
 }

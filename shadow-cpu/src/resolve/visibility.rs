@@ -4,7 +4,7 @@ use shadow_math::{
     filter::{bilinear_corner, bilinear_mean},
     fit::cube_face_of,
     glam::Vec2,
-    plan::{FILTER_BILINEAR, FILTER_HARD, LightPlan, SPLIT_SINGLE, ViewPlan, toward_light},
+    plan::{FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, LightPlan, PixelRays, SPLIT_SINGLE, ViewPlan, toward_light},
     visibility::{NO_VIEW, lookup_in_view, visibility},
 };
 
@@ -35,12 +35,18 @@ pub(crate) fn span_visibility(
     views: &[ViewPlan],
     maps: &ShadowMaps,
     hits: &Hits,
+    rays: &PixelRays,
     count: usize,
     out: &mut Numbers,
 ) {
     match (common_view(light, hits, count), light.filter) {
         (Some(view), FILTER_BILINEAR) => vector_visibility::<true>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_HARD) => vector_visibility::<false>(light, &views[view as usize], maps, hits, out),
+        (_, FILTER_FOOTPRINT) => {
+            for i in 0..count {
+                out[i] = visibility(light, views, maps, &hits.receiver_with_steps(rays, i));
+            }
+        }
         _ => {
             for i in 0..count {
                 out[i] = visibility(light, views, maps, &hits.receiver(i));
@@ -72,7 +78,9 @@ fn vector_visibility<const BILINEAR: bool>(
     hits: &Hits,
     out: &mut Numbers,
 ) {
-    let (light, view) = (*light, *view);
+    // The compiler is to know which filter it is: what others need is left out.
+    let light = LightPlan { filter: if BILINEAR { FILTER_BILINEAR } else { FILTER_HARD }, ..*light };
+    let view = *view;
     let mut lookups = Lookups {
         known: [0.0; SPAN],
         asks: [0; SPAN],

@@ -30,13 +30,13 @@ fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
     return views[view].depth_factor * metres / (w * w_before);
 }
 
-fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, footprint: Footprint) -> f32 {
     let gradient = depth_gradient(view, point, normal);
     // A constant factor comes before the variable ones: shader compilers move it there.
     let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
     let rounding_texels = views[view].rounding_texels;
     let rounding_depth = views[view].rounding_depth;
-    let texels = support(lights[light].filter_kind) * lights[light].slope_scale
+    let texels = support(light, gradient, footprint) * lights[light].slope_scale
         + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
     return slope * texels + (rounding_depth.x + rounding_depth.y / w);
 }

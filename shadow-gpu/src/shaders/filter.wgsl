@@ -1,10 +1,70 @@
-// Filters: mirrors shadow-math/src/filter.rs.
+// Filters: mirrors shadow-math/src/filter.rs and its folder.
 
-fn support(filter_kind: u32) -> f32 {
-    if filter_kind == FILTER_HARD {
-        return 0.5;
+const MAX_FOOTPRINT_TESTS: u32 = 16u;
+const FOOTPRINT_TESTS_PER_TEXEL: f32 = 2.0;
+const MAX_FLOAT: f32 = 3.40282347e+38;
+
+const TURNS = array<vec2f, 16>(
+    vec2f(1.0, 0.0),
+    vec2f(0.9238795, 0.38268343),
+    vec2f(0.70710677, 0.70710677),
+    vec2f(0.38268343, 0.9238795),
+    vec2f(0.0, 1.0),
+    vec2f(-0.38268343, 0.9238795),
+    vec2f(-0.70710677, 0.70710677),
+    vec2f(-0.9238795, 0.38268343),
+    vec2f(-1.0, 0.0),
+    vec2f(-0.9238795, -0.38268343),
+    vec2f(-0.70710677, -0.70710677),
+    vec2f(-0.38268343, -0.9238795),
+    vec2f(0.0, -1.0),
+    vec2f(0.38268343, -0.9238795),
+    vec2f(0.70710677, -0.70710677),
+    vec2f(0.9238795, -0.38268343),
+);
+const DITHER = array<u32, 16>(0u, 8u, 2u, 10u, 12u, 4u, 14u, 6u, 3u, 11u, 1u, 9u, 15u, 7u, 13u, 5u);
+
+// What a lookup asks of the maps.
+struct Lookup {
+    view: u32,
+    known: f32,
+    texel: vec2f,
+    depth: f32,
+    bias: f32,
+    turn: vec2f,
+    footprint: Footprint,
+}
+
+struct Footprint {
+    x: vec2f,
+    y: vec2f,
+}
+
+fn turn_of_pixel(pixel: vec2u) -> vec2f {
+    var turns = TURNS;
+    var dither = DITHER;
+    return turns[dither[(pixel.y % 4u) * 4u + pixel.x % 4u]];
+}
+
+fn support(light: u32, gradient: vec2f, footprint: Footprint) -> f32 {
+    let kind = lights[light].filter_kind;
+    if kind <= FILTER_SEPARABLE {
+        return lights[light].filter_reach;
     }
-    return 1.0;
+    let sum = abs(gradient.x) + abs(gradient.y);
+    if !(sum > 0.0 && sum <= MAX_FLOAT) {
+        return lights[light].filter_reach;
+    }
+    let share = vec2f(gradient.x / sum, gradient.y / sum);
+    if kind == FILTER_CROSS {
+        return 0.5 + max(abs(share.x), abs(share.y));
+    }
+    if kind == FILTER_DISC {
+        return 0.5 + lights[light].filter_reach * sqrt(share.x * share.x + share.y * share.y);
+    }
+    let along_x = abs(footprint.x.x * share.x + footprint.x.y * share.y);
+    let along_y = abs(footprint.y.x * share.x + footprint.y.y * share.y);
+    return 0.5 + 0.5 * (along_x + along_y);
 }
 
 fn depth_test(view: u32, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
@@ -19,10 +79,11 @@ fn depth_test(view: u32, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
     return 0.0;
 }
 
-fn filtered_test(view: u32, filter_kind: u32, texel: vec2f, depth: f32, bias: f32) -> f32 {
-    if filter_kind == FILTER_HARD {
-        return depth_test(view, i32(floor(texel.x)), i32(floor(texel.y)), depth, bias);
-    }
+fn test_at(view: u32, place: vec2f, depth: f32, bias: f32) -> f32 {
+    return depth_test(view, i32(floor(place.x)), i32(floor(place.y)), depth, bias);
+}
+
+fn bilinear_test(view: u32, texel: vec2f, depth: f32, bias: f32) -> f32 {
     let corner = texel - vec2f(0.5, 0.5);
     let floor_x = floor(corner.x);
     let floor_y = floor(corner.y);
@@ -37,4 +98,113 @@ fn filtered_test(view: u32, filter_kind: u32, texel: vec2f, depth: f32, bias: f3
     let top = t00 + (t10 - t00) * fraction_x;
     let bottom = t01 + (t11 - t01) * fraction_x;
     return top + (bottom - top) * fraction_y;
+}
+
+fn kernel_weight(light: u32, tap: i32) -> f32 {
+    return lights[light].filter_table[tap / 4][tap % 4];
+}
+
+fn separable_test(light: u32, asked: Lookup) -> f32 {
+    let taps = i32(lights[light].filter_taps);
+    let half_kernel = 0.5 * f32(taps);
+    let corner = asked.texel - vec2f(half_kernel, half_kernel);
+    let floor_x = floor(corner.x);
+    let floor_y = floor(corner.y);
+    let fraction_x = corner.x - floor_x;
+    let fraction_y = corner.y - floor_y;
+    let x0 = i32(floor_x);
+    let y0 = i32(floor_y);
+    var sum = 0.0;
+    var column_before = 0.0;
+    for (var x = 0; x <= taps; x++) {
+        var column = 0.0;
+        var above = depth_test(asked.view, x0 + x, y0, asked.depth, asked.bias);
+        for (var y = 0; y < taps; y++) {
+            let below = depth_test(asked.view, x0 + x, y0 + y + 1, asked.depth, asked.bias);
+            column += kernel_weight(light, y) * (above + (below - above) * fraction_y);
+            above = below;
+        }
+        if x > 0 {
+            sum += kernel_weight(light, x - 1) * (column_before + (column - column_before) * fraction_x);
+        }
+        column_before = column;
+    }
+    let total = lights[light].filter_total;
+    return sum / (total * total);
+}
+
+fn cross_test(asked: Lookup) -> f32 {
+    let x = i32(floor(asked.texel.x));
+    let y = i32(floor(asked.texel.y));
+    let beside = depth_test(asked.view, x - 1, y, asked.depth, asked.bias)
+        + depth_test(asked.view, x + 1, y, asked.depth, asked.bias);
+    let above = depth_test(asked.view, x, y - 1, asked.depth, asked.bias)
+        + depth_test(asked.view, x, y + 1, asked.depth, asked.bias);
+    return (depth_test(asked.view, x, y, asked.depth, asked.bias) + beside + above) / 5.0;
+}
+
+fn disc_place(light: u32, asked: Lookup, tap: u32) -> vec2f {
+    let pair = lights[light].filter_table[tap / 2u];
+    let place = select(pair.xy, pair.zw, tap % 2u == 1u);
+    let turn = asked.turn;
+    return vec2f(
+        asked.texel.x + place.x * turn.x - place.y * turn.y,
+        asked.texel.y + place.x * turn.y + place.y * turn.x,
+    );
+}
+
+fn disc_test(light: u32, asked: Lookup) -> f32 {
+    let taps = lights[light].filter_taps;
+    var lit = 0.0;
+    for (var tap = 0u; tap < taps; tap++) {
+        lit += test_at(asked.view, disc_place(light, asked, tap), asked.depth, asked.bias);
+    }
+    return lit / f32(taps);
+}
+
+fn footprint_count(side: vec2f) -> u32 {
+    let wanted = floor(max(abs(side.x), abs(side.y)) * FOOTPRINT_TESTS_PER_TEXEL) + 1.0;
+    return u32(min(wanted, f32(MAX_FOOTPRINT_TESTS)));
+}
+
+fn footprint_place(asked: Lookup, at: vec2u, counts: vec2u) -> vec2f {
+    let a = (f32(at.x) + 0.5) / f32(counts.x) - 0.5;
+    let b = (f32(at.y) + 0.5) / f32(counts.y) - 0.5;
+    let side_x = asked.footprint.x;
+    let side_y = asked.footprint.y;
+    return vec2f(
+        asked.texel.x + side_x.x * a + side_y.x * b,
+        asked.texel.y + side_x.y * a + side_y.y * b,
+    );
+}
+
+fn footprint_test(asked: Lookup) -> f32 {
+    let counts = vec2u(footprint_count(asked.footprint.x), footprint_count(asked.footprint.y));
+    var lit = 0.0;
+    for (var row = 0u; row < counts.y; row++) {
+        for (var column = 0u; column < counts.x; column++) {
+            lit += test_at(asked.view, footprint_place(asked, vec2u(column, row), counts), asked.depth, asked.bias);
+        }
+    }
+    return lit / f32(counts.x * counts.y);
+}
+
+fn filtered_test(light: u32, asked: Lookup) -> f32 {
+    let kind = lights[light].filter_kind;
+    if kind == FILTER_HARD {
+        return test_at(asked.view, asked.texel, asked.depth, asked.bias);
+    }
+    if kind == FILTER_BILINEAR {
+        return bilinear_test(asked.view, asked.texel, asked.depth, asked.bias);
+    }
+    if kind == FILTER_SEPARABLE {
+        return separable_test(light, asked);
+    }
+    if kind == FILTER_CROSS {
+        return cross_test(asked);
+    }
+    if kind == FILTER_DISC {
+        return disc_test(light, asked);
+    }
+    return footprint_test(asked);
 }

@@ -14,6 +14,10 @@ const BIAS_AUTOMATIC: u32 = 3u;
 
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;
+const FILTER_SEPARABLE: u32 = 2u;
+const FILTER_CROSS: u32 = 3u;
+const FILTER_DISC: u32 = 4u;
+const FILTER_FOOTPRINT: u32 = 5u;
 
 const SNAP_TEXELS: f32 = 0.001953125;
 
@@ -55,6 +59,11 @@ struct LightPlan {
     bias_metres: f32,
     slope_scale: f32,
     filter_kind: u32,
+    filter_taps: u32,
+    filter_reach: f32,
+    filter_total: f32,
+    padding: u32,
+    filter_table: array<vec4f, 8>,
 }
 
 struct ViewPlan {

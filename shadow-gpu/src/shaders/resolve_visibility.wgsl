@@ -19,6 +19,11 @@ fn resolve_visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
     // A fragment's position is its pixel's centre.
     let ray = pixel_ray(camera.rays, position.x, position.y);
     let hit = scene_point(triangle, ray);
-    let receiver = Receiver(hit.point, turned_to_viewer(hit.normal, hit.normal, ray));
+    let normal = turned_to_viewer(hit.normal, hit.normal, ray);
+    var steps = PixelSteps(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 0.0));
+    if lights[0].filter_kind == FILTER_FOOTPRINT {
+        steps = pixel_steps(camera.rays, ray, hit.point, normal);
+    }
+    let receiver = Receiver(hit.point, normal, vec2u(position.xy), steps);
     return visibility(0u, receiver);
 }

@@ -35,6 +35,25 @@ fn triangle_point(ray: Ray, v0: vec3f, v1: vec3f, v2: vec3f) -> TrianglePoint {
     return TrianglePoint(point, normal, u, v);
 }
 
+struct PixelSteps {
+    x: vec3f,
+    y: vec3f,
+}
+
+fn plane_step(origin: vec3f, direction: vec3f, ray: Ray, distance: f32, normal: vec3f, along: f32) -> vec3f {
+    let moved = origin + direction * distance;
+    return moved - ray.direction * (dot3(normal, moved) / along);
+}
+
+fn pixel_steps(rays: PixelRays, ray: Ray, point: vec3f, normal: vec3f) -> PixelSteps {
+    let along = dot3(normal, ray.direction);
+    let distance = dot3(normal, point - ray.origin) / along;
+    return PixelSteps(
+        plane_step(rays.origin_dx.xyz, rays.direction_dx.xyz, ray, distance, normal, along),
+        plane_step(rays.origin_dy.xyz, rays.direction_dy.xyz, ray, distance, normal, along),
+    );
+}
+
 fn turned_to_viewer(v: vec3f, geometric_normal: vec3f, ray: Ray) -> vec3f {
     if dot3(geometric_normal, ray.direction) > 0.0 {
         return -v;

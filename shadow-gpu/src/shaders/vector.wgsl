@@ -13,6 +13,10 @@ fn row_times_point(row: vec4f, point: vec3f) -> f32 {
     return row.x * point.x + row.y * point.y + row.z * point.z + row.w;
 }
 
+fn row_times_vector(row: vec4f, vector: vec3f) -> f32 {
+    return row.x * vector.x + row.y * vector.y + row.z * vector.z;
+}
+
 fn normalized(v: vec3f) -> vec3f {
     let squared = v.x * v.x + v.y * v.y + v.z * v.z;
     if squared <= 0.0 {

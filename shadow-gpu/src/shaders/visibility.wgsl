@@ -3,20 +3,35 @@
 struct Receiver {
     point: vec3f,
     normal: vec3f,
+    pixel: vec2u,
+    steps: PixelSteps,
 }
 
 const NO_VIEW: u32 = 0xffffffffu;
 
-struct Lookup {
-    view: u32,
-    known: f32,
-    texel: vec2f,
-    depth: f32,
-    bias: f32,
-}
+const NO_FOOTPRINT = Footprint(vec2f(0.0, 0.0), vec2f(0.0, 0.0));
 
 fn known_lookup(visibility: f32) -> Lookup {
-    return Lookup(NO_VIEW, visibility, vec2f(0.0, 0.0), 0.0, 0.0);
+    return Lookup(NO_VIEW, visibility, vec2f(0.0, 0.0), 0.0, 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT);
+}
+
+fn footprint_side(view: u32, step: vec3f, x: f32, y: f32, w: f32) -> vec2f {
+    let along_w = row_times_vector(views[view].clip_w, step);
+    let moved_x = (row_times_vector(views[view].clip_x, step) - x * along_w) / w;
+    let moved_y = (row_times_vector(views[view].clip_y, step) - y * along_w) / w;
+    return vec2f(moved_x * views[view].texel_scale.x, moved_y * views[view].texel_scale.y);
+}
+
+fn footprint(light: u32, view: u32, receiver: Receiver, w: f32) -> Footprint {
+    if lights[light].filter_kind != FILTER_FOOTPRINT {
+        return NO_FOOTPRINT;
+    }
+    let x = row_times_point(views[view].clip_x, receiver.point) / w;
+    let y = row_times_point(views[view].clip_y, receiver.point) / w;
+    return Footprint(
+        footprint_side(view, receiver.steps.x, x, y, w),
+        footprint_side(view, receiver.steps.y, x, y, w),
+    );
 }
 
 fn cube_face_of(v: vec3f) -> u32 {
@@ -46,7 +61,8 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
         return known_lookup(1.0);
     }
     let normal = unit_normal(receiver.normal);
-    let needed = needed_depth(light, view, receiver.point, receiver.normal, receiver_w);
+    let sides = footprint(light, view, receiver, receiver_w);
+    let needed = needed_depth(light, view, receiver.point, receiver.normal, receiver_w, sides);
     let offset = normal_offset(light, view, receiver.point, normal, needed, receiver_w);
     var bias = depth_bias(light, view, needed, receiver_w);
     if offset > 0.0 {
@@ -68,7 +84,11 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if !inside || z < 0.0 {
         return known_lookup(1.0);
     }
-    return Lookup(view, 0.0, texel, min(z, 1.0), bias);
+    var turn = vec2f(1.0, 0.0);
+    if lights[light].filter_kind == FILTER_DISC {
+        turn = turn_of_pixel(receiver.pixel);
+    }
+    return Lookup(view, 0.0, texel, min(z, 1.0), bias, turn, sides);
 }
 
 fn unit_normal(normal: vec3f) -> vec3f {
@@ -81,5 +101,5 @@ fn visibility(light: u32, receiver: Receiver) -> f32 {
     if found.view == NO_VIEW {
         return found.known;
     }
-    return filtered_test(found.view, lights[light].filter_kind, found.texel, found.depth, found.bias);
+    return filtered_test(light, found);
 }

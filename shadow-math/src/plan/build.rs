@@ -3,8 +3,8 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
-    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_HARD, LIGHT_DIRECTIONAL,
-    LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan,
+    MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
@@ -12,11 +12,11 @@ use crate::{
     camera::Camera,
     depth::DEPTH_Z_OVER_W,
     exposure::Exposure,
-    filter::guard_texels,
+    filter::{guard_texels, kernel::set_filter},
     fit::{self, ViewFit},
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     rounding::RoundingBound,
-    settings::{Bias, Filter, Fit, MAX_MAP_SIZE, MIN_MAP_SIZE, ShadowSettings, Split, Store},
+    settings::{Bias, Fit, MAX_MAP_SIZE, MIN_MAP_SIZE, ShadowSettings, Split, Store},
     spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
 };
 
@@ -109,21 +109,21 @@ pub fn plan_light(
     let count = view_count(light, settings)?;
     let given = views.len();
     let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
-    let guard = guard_texels(settings.filter, settings.bias);
-
     let mut plan = LightPlan {
         intensity: (light.color * light.intensity).to_array(),
         cone_offset: 1.0,
         first_view,
         view_count: count as u32,
         split: if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE },
-        filter: match settings.filter {
-            Filter::Hard => FILTER_HARD,
-            Filter::Bilinear => FILTER_BILINEAR,
-        },
         ..LightPlan::default()
     };
+    set_filter(&mut plan, settings.filter, settings.filter_radius)?;
     set_bias(&mut plan, settings.bias)?;
+    let guard = guard_texels(&plan, settings.bias);
+    // A map has to have texels left within its guard bands.
+    if size <= 2 * guard {
+        return Err(PlanError::MapTooSmallForFilter { size, filter: settings.filter, guard });
+    }
     match light.kind {
         LightKind::Directional { direction } => {
             plan.kind = LIGHT_DIRECTIONAL;

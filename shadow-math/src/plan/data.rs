@@ -31,6 +31,14 @@ pub const BIAS_AUTOMATIC: u32 = 3;
 pub const FILTER_HARD: u32 = 0;
 /// [`LightPlan::filter`]: four tests, weighted bilinearly.
 pub const FILTER_BILINEAR: u32 = 1;
+/// [`LightPlan::filter`]: a square of tests, weighted by the same kernel on both axes, with bilinear edges.
+pub const FILTER_SEPARABLE: u32 = 2;
+/// [`LightPlan::filter`]: a texel and its four neighbours.
+pub const FILTER_CROSS: u32 = 3;
+/// [`LightPlan::filter`]: tests at places in a disc, which is turned from pixel to pixel.
+pub const FILTER_DISC: u32 = 4;
+/// [`LightPlan::filter`]: tests all over the pixel's image in the map.
+pub const FILTER_FOOTPRINT: u32 = 5;
 
 /// Half a step of the sub-pixel grid that vertices are snapped to, in texels, where depth comes from the snapped vertices:
 /// 8 bits, the number that Direct3D requires and lavapipe has.
@@ -114,8 +122,18 @@ pub struct LightPlan {
     pub bias_metres: f32,
     /// A factor on the filter's support in the slope bias.
     pub slope_scale: f32,
-    /// [`FILTER_HARD`] or [`FILTER_BILINEAR`].
+    /// [`FILTER_HARD`], [`FILTER_BILINEAR`], [`FILTER_SEPARABLE`], [`FILTER_CROSS`], [`FILTER_DISC`] or [`FILTER_FOOTPRINT`].
     pub filter: u32,
+    /// How many weights a separable filter's kernel has, or how many places a disc.
+    pub filter_taps: u32,
+    /// How far the filter reaches, in texels on each axis; a disc's places alone, without the texels that they fall into.
+    pub filter_reach: f32,
+    /// What the weights add up to on one axis: a separable filter's.
+    pub filter_total: f32,
+    /// Padding to a multiple of 16 bytes.
+    pub padding: u32,
+    /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
+    pub filter_table: [[f32; 4]; 8],
 }
 
 /// One shadow map: where it looks, where it is stored, and what its texels mean.

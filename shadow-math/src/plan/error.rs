@@ -3,7 +3,7 @@
 use crate::{
     camera::CameraError,
     light::LightError,
-    settings::{MAX_MAP_SIZE, MIN_MAP_SIZE},
+    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MIN_MAP_SIZE},
 };
 
 /// Why a plan cannot be made.
@@ -24,6 +24,24 @@ pub enum PlanError {
     BiasMetres(f32),
     /// The factor on the slope bias is negative or not finite.
     SlopeScale(f32),
+    /// The filter's radius in texels is out of its range.
+    FilterRadius {
+        /// The filter, which says its [radii](Filter::radii).
+        filter: Filter,
+        /// The radius.
+        radius: f32,
+    },
+    /// A radius was given for a filter whose size is its own.
+    RadiusOfFixedFilter(Filter),
+    /// The filter and the bias reach so far that nothing is left of a map of this size.
+    MapTooSmallForFilter {
+        /// The map's size in texels.
+        size: u32,
+        /// The filter.
+        filter: Filter,
+        /// How many texels must stay free on each side.
+        guard: u32,
+    },
     /// A cube was asked for around a directional light.
     CubeAroundDirection,
     /// There is nothing that could cast a shadow: the scene's bounds are empty.
@@ -68,6 +86,26 @@ impl core::fmt::Display for PlanError {
                     "a slope bias scaled by {scale} makes no sense; the scale must be finite and at least 0 (1 is enough and no more)"
                 )
             }
+            Self::FilterRadius { filter, radius } => {
+                let name = filter.name();
+                match filter.radii() {
+                    Some(FilterRadii { least, most, .. }) => write!(
+                        f,
+                        "a radius of {radius} texels is out of range for the filter {name}; choose one from {least} to {most}"
+                    ),
+                    None => write!(f, "the filter {name} has a size of its own, and takes no radius of {radius} texels"),
+                }
+            }
+            Self::RadiusOfFixedFilter(filter) => write!(
+                f,
+                "the filter {} has a size of its own; leave the radius out, or take gaussian, poisson or vogel",
+                filter.name()
+            ),
+            Self::MapTooSmallForFilter { size, filter, guard } => write!(
+                f,
+                "of a shadow map of {size} texels nothing is left when {guard} stay free on each side for the filter {}; choose a larger map or a smaller filter",
+                filter.name()
+            ),
             Self::CubeAroundDirection => {
                 f.write_str("a directional light has no position that a cube could surround; use a single map for it")
             }

@@ -2,10 +2,8 @@
 
 use glam::{DVec3, Vec4};
 use shadow_math::{
-    filter::weighted_taps,
-    plan::FILTER_HARD,
+    filter::taps::{for_each_test_place, for_each_weighted_tap},
     srgb::encode_pixel,
-    triangle::pixel_ray,
     vector::row_times_point,
     visibility::{NO_VIEW, lookup},
 };
@@ -299,8 +297,7 @@ impl Judge<'_> {
         if triangle == NO_TRIANGLE {
             return Ok(None);
         }
-        let ray = pixel_ray(&self.plan.camera.rays, x as f32 + 0.5, y as f32 + 0.5);
-        let receiver = self.scene.receiver(triangle, ray);
+        let receiver = self.scene.receiver(triangle, &self.plan.camera.rays, [x, y]);
         let plan = &self.plan.lights[light as usize];
         let found = lookup(plan, &self.plan.views, &receiver);
         if found.view == NO_VIEW {
@@ -311,9 +308,10 @@ impl Judge<'_> {
         let (map_a, map_b) = self.needed(LayerName::Visibility { light }, name)?;
         let size = self.plan.map_size;
         let inside = |v: i32| v >= 0 && v < size as i32;
-        let (taps, count) = weighted_taps(plan.filter, found.texel);
+        let mut taps = Vec::new();
+        for_each_weighted_tap(plan, &found, |tap| taps.push(tap));
         let mut tie = false;
-        for tap in taps[..count].iter().filter(|tap| inside(tap.x) && inside(tap.y)) {
+        for tap in taps.iter().filter(|tap| inside(tap.x) && inside(tap.y)) {
             let index = tap.y as usize * size as usize + tap.x as usize;
             let allowed = depth_tolerance(map_a, map_b, size, index);
             if distance(map_a[index], map_b[index]) > allowed {
@@ -324,8 +322,9 @@ impl Judge<'_> {
         }
         let w = row_times_point(view.clip_w, receiver.point);
         let reach = tolerance::TEXEL_BORDER.max(view.rounding_texels[0] + view.rounding_texels[1] / w);
-        let border = |texel: f32| (texel - texel.round()).abs() < reach;
-        tie |= plan.filter == FILTER_HARD && (border(found.texel.x) || border(found.texel.y));
+        let border = |coordinate: f32| (coordinate - coordinate.round()).abs() < reach;
+        // Bilinear and separable filters are continuous over a texel's border; a single test is not.
+        for_each_test_place(plan, &found, |place| tie |= border(place.x) || border(place.y));
         let rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;
         Ok(tie.then_some(Excuse::Tie { bias_is_below_rounding: found.bias < rounding }))
     }

@@ -11,8 +11,8 @@ pub(super) fn unit_of(x: f32) -> f32 {
 /// What the functions read: real plans, a map and textures.
 pub(super) struct World {
     pub(super) globals: Globals,
-    /// Light, point and normal of many receivers.
-    pub(super) receivers: Vec<[f32; 7]>,
+    /// Light, point, normal, pixel and steps of many receivers.
+    pub(super) receivers: Vec<[f32; 15]>,
 }
 
 /// The light that shines straight down: its view's axes are those of the world, so planes can be seen exactly edge-on.
@@ -47,7 +47,7 @@ impl World {
     }
 
     /// A receiver in or near the scene, mostly one that faces its light.
-    pub(super) fn new_receiver(&self, index: usize, random: &mut Random) -> [f32; 7] {
+    pub(super) fn new_receiver(&self, index: usize, random: &mut Random) -> [f32; 15] {
         let lights = self.globals.lights.len();
         let light = (index % lights) as f32;
         let plan = &self.globals.lights[index % lights];
@@ -70,7 +70,14 @@ impl World {
         if random.below(64) == 0 {
             normal = [Vec3::ZERO, toward.cross(normal), Vec3::X, Vec3::Y][random.below(4) as usize];
         }
-        [light, point.x, point.y, point.z, normal.x, normal.y, normal.z]
+        // Footprints of less than a texel, and of many.
+        let length = if random.below(2) == 0 { 0.1 } else { 2.0 };
+        let (right, below) = (random.vector(length), random.vector(length));
+        let pixel = [random.below(64), random.below(64)].map(|x| x as f32);
+        [
+            light, point.x, point.y, point.z, normal.x, normal.y, normal.z, pixel[0], pixel[1], right.x, right.y, right.z,
+            below.x, below.y, below.z,
+        ]
     }
 
     /// A little more than half the width of a light's first view at a distance of 1 m.
@@ -82,8 +89,7 @@ impl World {
     /// Gives every fourth receiver's texel the depth that the receiver is just lit by, or the next one below, by which it is not.
     pub(super) fn plant_ties(&mut self) {
         for (index, group) in self.receivers.iter().enumerate().step_by(4) {
-            let light = &self.globals.lights[group[0] as usize];
-            let receiver = Receiver { point: v3(group, 1), normal: v3(group, 4) };
+            let (light, receiver) = receiver(self, group);
             let found = lookup(light, &self.globals.views, &receiver);
             if found.view != NO_VIEW {
                 let texel = found.texel.floor();
@@ -156,14 +162,15 @@ impl World {
 
     /// Infinite where a test around a texel ties, as rounding may decide it; else 1. `lost` is the rounding of the
     /// depth and the bias.
-    pub(super) fn scale_of_tests(&self, view: f32, filter: u32, texel: Vec2, depth: f32, bias: f32, lost: f32) -> f32 {
-        let view = self.view(view);
+    pub(super) fn scale_of_tests(&self, light: &LightPlan, lookup: &Lookup, lost: f32) -> f32 {
+        let view = &self.globals.views[lookup.view as usize];
         let inside = |x: i32| (0..MAP_SIZE as i32).contains(&x);
-        let (taps, count) = weighted_taps(filter, texel);
-        let tie = taps[..count].iter().any(|tap| {
-            inside(tap.x)
+        let mut tie = false;
+        for_each_weighted_tap(light, lookup, |tap| {
+            tie |= inside(tap.x)
                 && inside(tap.y)
-                && (depth - bias - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)).abs() < TIE + lost
+                && (lookup.depth - lookup.bias - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)).abs()
+                    < TIE + lost;
         });
         if tie { f32::INFINITY } else { 1.0 }
     }
@@ -196,8 +203,28 @@ impl World {
         if near {
             return [f32::INFINITY; 4];
         }
-        let bias = if found.view == NO_VIEW { 0.0 } else { magnitude_of_bias(light, view, receiver.point, receiver.normal, w) };
+        let bias = if found.view == NO_VIEW {
+            0.0
+        } else {
+            magnitude_of_bias(light, view, receiver.point, receiver.normal, w, found.footprint)
+        };
         [scales[0], scales[1], z.1, bias]
+    }
+
+    /// The size of the terms of a footprint's sides in texels.
+    pub(super) fn scale_of_footprint(&self, light: &LightPlan, receiver: &Receiver) -> f32 {
+        let toward = toward_light(light, receiver.point);
+        let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
+        let view = &self.globals.views[index as usize];
+        let w = row_times_point(view.clip_w, receiver.point);
+        let steps = receiver.steps[0].abs().max(receiver.steps[1].abs());
+        let row = |row: [f32; 4]| row_times_vector(row.map(f32::abs), steps);
+        let place = |row: [f32; 4]| magnitude_of_row(row, receiver.point) / w.abs();
+        let x = row(view.clip_x)
+            + place(view.clip_x) * row(view.clip_w) * (1.0 + magnitude_of_row(view.clip_w, receiver.point) / w.abs());
+        let y = row(view.clip_y)
+            + place(view.clip_y) * row(view.clip_w) * (1.0 + magnitude_of_row(view.clip_w, receiver.point) / w.abs());
+        (x.max(y) / w.abs()) * view.texel_scale[0].abs()
     }
 
     /// A textured material, and coordinates in and around its texture, often on the border or the centre of a texel.
@@ -251,17 +278,26 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
     ];
     let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
     let (mut lights, mut views) = (Vec::new(), Vec::new());
+    let mut add = |(kind, split): (LightKind, Split), bias: Bias, filter: Filter| {
+        let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
+        let settings = ShadowSettings { split, bias, filter, map_size: MAP_SIZE, ..ShadowSettings::default() };
+        let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+        let plan =
+            plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent).expect("the light can be planned");
+        views.extend_from_slice(&lent[..plan.view_count as usize]);
+        lights.push(plan);
+    };
     for bias in [Bias::Automatic, Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
         for filter in [Filter::Hard, Filter::Bilinear] {
-            for (kind, split) in kinds {
-                let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
-                let settings = ShadowSettings { split, bias, filter, map_size: MAP_SIZE, ..ShadowSettings::default() };
-                let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
-                let plan = plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent)
-                    .expect("the light can be planned");
-                views.extend_from_slice(&lent[..plan.view_count as usize]);
-                lights.push(plan);
+            for kind in kinds {
+                add(kind, bias, filter);
             }
+        }
+    }
+    // The guard bands of wide filters under the automatic bias would leave nothing of maps as small as these.
+    for filter in Filter::ALL.into_iter().filter(|filter| !matches!(filter, Filter::Hard | Filter::Bilinear)) {
+        for kind in [kinds[1], kinds[2], kinds[5]] {
+            add(kind, Bias::Slope { scale: 1.0, metres: 0.01 }, filter);
         }
     }
     // A part of the layer, as an atlas has it.
@@ -321,7 +357,13 @@ pub(super) fn v3(numbers: &[f32], first: usize) -> Vec3 {
 
 /// The light and the receiver of a group of inputs.
 pub(super) fn receiver<'a>(world: &'a World, group: &[f32]) -> (&'a LightPlan, Receiver) {
-    (world.light(group[0]), Receiver { point: v3(group, 1), normal: v3(group, 4) })
+    let receiver = Receiver {
+        point: v3(group, 1),
+        normal: v3(group, 4),
+        pixel: [group[7] as u32, group[8] as u32],
+        steps: [v3(group, 9), v3(group, 12)],
+    };
+    (world.light(group[0]), receiver)
 }
 
 /// The surface that 13 inputs describe.
@@ -374,7 +416,20 @@ pub(super) fn magnitude_of_gradient(view: &ViewPlan, point: Vec3, normal: Vec3) 
     Vec2::new(along(view.world_from_texel_x, gradient.x), along(view.world_from_texel_y, gradient.y))
 }
 
-pub(super) fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+/// At least a filter's support.
+fn reach_of(light: &LightPlan, footprint: [Vec2; 2]) -> f32 {
+    let sides = footprint.map(|side| side.abs().max_element());
+    light.filter_reach + 1.0 + sides[0] + sides[1]
+}
+
+pub(super) fn magnitude_of_bias(
+    light: &LightPlan,
+    view: &ViewPlan,
+    point: Vec3,
+    normal: Vec3,
+    w: f32,
+    footprint: [Vec2; 2],
+) -> f32 {
     let w_before = w - view.w_per_metre * light.bias_metres;
     // Without a length there is nothing to lose, however near the light is.
     let reach = if light.bias_metres == 0.0 {
@@ -382,28 +437,35 @@ pub(super) fn magnitude_of_bias(light: &LightPlan, view: &ViewPlan, point: Vec3,
     } else {
         view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
     };
-    let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w), w) + reach;
+    let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w, footprint), w) + reach;
     if light.bias == BIAS_SLOPE || light.bias == BIAS_AUTOMATIC {
         let gradient = magnitude_of_gradient(view, point, normal);
-        let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
+        let texels = light.slope_scale * reach_of(light, footprint) + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
         magnitude += (gradient.x + gradient.y) * texels;
     }
     magnitude
 }
 
 /// Of the need of a plane, and of the step along its normal; infinite where a choice hangs on rounding.
-pub(super) fn magnitude_of_need(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> [f32; 2] {
+pub(super) fn magnitude_of_need(
+    light: &LightPlan,
+    view: &ViewPlan,
+    point: Vec3,
+    normal: Vec3,
+    w: f32,
+    footprint: [Vec2; 2],
+) -> [f32; 2] {
     let gradient = magnitude_of_gradient(view, point, normal);
-    let texels = light.slope_scale + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
+    let texels = light.slope_scale * reach_of(light, footprint) + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
     let needed = (gradient.x + gradient.y) * texels.abs() + view.rounding_depth[0] + (view.rounding_depth[1] / w).abs();
     let toward = toward_light(light, point);
     let height = normal.dot(toward);
     let limit = (OFFSET_SLOPE * OFFSET_SLOPE + 1.0) * height * height;
     let height_scale = normal.abs().dot(Vec3::from(light.position).abs() + point.abs());
     let along = normal.dot(Vec3::new(view.clip_w[0], view.clip_w[1], view.clip_w[2]));
-    let rest = view.depth_factor - needed_depth(light, view, point, normal, w) * height * along;
+    let rest = view.depth_factor - needed_depth(light, view, point, normal, w, footprint) * height * along;
     let rest_scale = view.depth_factor + needed * height_scale;
-    let is_choice = is_tie(needed_depth(light, view, point, normal, w) - MAX_DEPTH_BIAS, needed)
+    let is_choice = is_tie(needed_depth(light, view, point, normal, w, footprint) - MAX_DEPTH_BIAS, needed)
         || (toward.dot(toward) - limit).abs() <= 1e-4 * limit
         || is_tie(rest, rest_scale)
         || is_tie(height, height_scale);
