@@ -40,10 +40,10 @@ mod trials;
 
 pub use self::{
     cause::{Cause, Counts},
-    gaps::Needs,
+    gaps::{Needs, Price},
     judge::{Ask, Judge, JudgeError, Judgement, LightJudgement},
     regions::Region,
     rule::{AlongNormal, ENGINES, EngineRule, Rule},
     stability::{Moment, Stability},
-    trials::{Gaps, Onset, Trial, Trials},
+    trials::{Lengths, Onset, Trial, Trials, WIDER},
 };

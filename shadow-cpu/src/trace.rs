@@ -194,12 +194,29 @@ impl Rays<'_> {
     }
 
     /// Whether a triangle would hide the middle of a light from a point that faces it if the triangle's corners moved by up to `clearance` to the side.
+    ///
+    /// A triangle of which nothing rises above the point's own plane hides nothing of it.
     pub fn is_center_nearly_hidden(&mut self, point: &SurfacePoint, light: &SceneLight, clearance: Clearance) -> bool {
         self.sent += 1;
         let tracer = self.tracer;
+        let rises = |corners: &[DVec3; 3]| corners.iter().any(|&corner| point.normal.dot(corner - point.position) > point.lift);
         ray_to_center(point, light).is_some_and(|ray| {
-            is_nearly_met(&tracer.structure, &mut self.stack, ray, point, clearance, |hit| tracer.is_there(hit))
+            is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, rises, |hit| tracer.is_there(hit))
         })
+    }
+
+    /// Whether a triangle of a kind comes within `clearance` of the light's ray through a point, before the point or behind it.
+    pub fn is_near_ray_from_center(
+        &mut self,
+        point: DVec3,
+        light: &SceneLight,
+        clearance: Clearance,
+        is_of_kind: impl Fn(&[DVec3; 3]) -> bool,
+    ) -> bool {
+        self.sent += 1;
+        let tracer = self.tracer;
+        let ray = ray_from_center(point, light, tracer.scene.bounds());
+        is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, is_of_kind, |hit| tracer.is_there(hit))
     }
 
     /// Whether a surface faces the middle of a light.

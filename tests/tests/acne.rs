@@ -29,7 +29,7 @@ struct Tally {
     pixels: u64,
     wrong: u64,
     /// Wrong because of a texel that a sliver was drawn into at a depth that it does not have there.
-    drawn_wrongly: u64,
+    by_slivers: u64,
     failures: String,
 }
 
@@ -65,10 +65,9 @@ impl Tally {
                     let mut counts = judge(&frame);
                     if counts.count(Cause::Acne) > 0 {
                         // Only the maps tell acne from texels that do not hold what the light sees: slivers have no bound on rounding.
-                        let others = counts.count(Cause::Coverage);
                         frame = render(JUDGED_WITH_MAPS);
                         counts = judge(&frame);
-                        self.drawn_wrongly += counts.count(Cause::Coverage) - others;
+                        self.by_slivers += counts.by_slivers;
                     }
                     self.frames += 1;
                     self.pixels += counts.judged;
@@ -108,14 +107,14 @@ fn no_scene_has_acne_under_the_automatic_bias() {
     for file in files.iter().filter(|file| !file.starts_with("invalid/")) {
         tally.file(file, &folder.join(file), size, also_on_gpu);
     }
-    let Tally { frames, pixels, wrong, drawn_wrongly, failures } = tally;
+    let Tally { frames, pixels, wrong, by_slivers, failures } = tally;
     say(&format!(
-        "judged {frames} frames of {pixels} pixels that a light reaches, {:.3} % of them wrong, {drawn_wrongly} by slivers in a map, none by acne: {:.0} s",
+        "judged {frames} frames of {pixels} pixels that a light reaches, {:.3} % of them wrong, {by_slivers} by slivers in a map, none by acne: {:.0} s",
         100.0 * wrong as f64 / pixels as f64,
         start.elapsed().as_secs_f64()
     ));
     assert!(failures.is_empty(), "{failures}");
     assert!(frames > 2000 && wrong > 0, "{frames} frames, {wrong} wrong pixels");
-    // Slivers are a pixel here and there, as their share of the scenes' triangles is: more would be a rasteriser's fault.
-    assert!(drawn_wrongly * 10_000_000 <= pixels, "{drawn_wrongly} pixels of {pixels}");
+    // Six of 778 million pixels are known; four times that many would be a rasteriser's fault.
+    assert!(by_slivers * 32_000_000 <= pixels.max(32_000_000), "{by_slivers} pixels of {pixels}");
 }

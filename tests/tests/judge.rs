@@ -18,7 +18,7 @@ use shadow_scene::{
 use shadow_tests::{renderers::cpu, report::say};
 
 /// What a judgement needs of a frame.
-const JUDGED: Request = Request { camera: true, shadow_maps: false, visibility: true, color: false };
+const JUDGED: Request = Request { camera: true, shadow_maps: true, visibility: true, color: false };
 
 const WIDTH: u32 = 640;
 const HEIGHT: u32 = 360;
@@ -109,6 +109,59 @@ fn what_hides_no_light_hides_no_acne() {
     }
 }
 
+/// Texels that hold what nothing has there are blamed on slivers where slivers are, and on nothing else.
+#[test]
+fn wrong_texels_are_blamed_on_slivers_where_there_are_any() {
+    let floor_over = |sliver: Option<f32>| {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let white = builder.add_material(Material::white());
+        builder.add_instance("floor", white, shapes::plane(Vec3::ZERO, Vec3::Y, 4.0)).expect("the floor is whole");
+        if let Some(height) = sliver {
+            // Below the floor, where it hides nothing: a strip as long as the floor.
+            let mut strip = shapes::plane(Vec3::NEG_Y, Vec3::Y, 4.0);
+            strip.vertices.positions.iter_mut().for_each(|position| position.z *= height / 8.0);
+            builder.add_instance("strip", white, strip).expect("the strip is whole");
+        }
+        let sun = LightKind::Directional { direction: Vec3::new(0.05, -1.0, 0.02) };
+        builder.add_light("sun", Light { kind: sun, color: Vec3::ONE, intensity: 100.0 });
+        let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far: None };
+        let camera = Camera::look_at(DVec3::new(0.5, 6.0, 3.0), DVec3::ZERO, projection);
+        builder.add_camera("main", camera.expect("the eye is not the target"));
+        builder.build().expect("the scene is whole")
+    };
+    let settings = ShadowSettings { filter: Filter::Hard, map_size: 64, ..ShadowSettings::default() };
+    // The bound on rounding ends where a triangle's length, squared, over its height is eight times as long as the map: about 64 m here, and so at a height of 1 m.
+    for (case, scene, is_blamed) in [
+        ("a floor", floor_over(None), false),
+        ("a broad strip", floor_over(Some(4.0)), false),
+        ("a sliver", floor_over(Some(0.2)), true),
+    ] {
+        let plan = plan(&scene, &settings);
+        let mut drawn = frame(&scene, &plan);
+        for layer in &mut drawn.layers {
+            // Everything is in the shadow of what is not there.
+            match (layer.name, &mut layer.pixels) {
+                (LayerName::ShadowMap { .. }, Pixels::Float(texels)) => texels.fill(0.01),
+                (LayerName::Visibility { .. }, Pixels::Float(visibility)) => visibility.fill(0.0),
+                _ => {}
+            }
+        }
+        let tracer = Tracer::new(&scene, 0).expect("threads start");
+        let judge = judge(&tracer);
+        let counts = judge.judge(&plan, &drawn).expect("the frame is of the judge's view").total();
+        assert_eq!(counts.by_slivers > 0, is_blamed, "{case}: {counts:?}");
+        assert!(counts.count(Cause::Acne) > 10_000, "what lies beside the sliver is no sliver's fault: {case}: {counts:?}");
+        // Without the maps nothing can be blamed on anything.
+        drawn.layers.retain(|layer| !matches!(layer.name, LayerName::ShadowMap { .. }));
+        let without = judge.judge(&plan, &drawn).expect("the frame is of the judge's view").total();
+        assert_eq!(
+            (without.by_slivers, without.count(Cause::Acne)),
+            (0, counts.count(Cause::Acne) + counts.by_slivers),
+            "{case}"
+        );
+    }
+}
+
 /// With a bias of b metres along the light the shadow of an upright bar begins where the way from the floor to the bar is longer than b. Light along
 /// (0, -1, -1) goes `sqrt(2)` metres for each that it goes to the side.
 #[test]
@@ -182,7 +235,7 @@ fn rules_are_judged_as_the_frames_that_follow_them() {
     let scene = still_life();
     let tracer = Tracer::new(&scene, 0).expect("threads start");
     let judge = judge(&tracer);
-    let three_js = ENGINES.iter().find(|engine| engine.name == "three.js").expect("it is among the engines").rule;
+    let three_js = ENGINES.iter().find(|engine| engine.name == "three.js").expect("it is among the engines").directional;
     for (rule, bias) in [(Rule::Automatic { scale: 1.0 }, Bias::Automatic), (three_js, Bias::None)] {
         let plan_of = |bias| plan(&scene, &ShadowSettings { map_size: 512, bias, ..ShadowSettings::default() });
         let by_frame = judge.judge(&plan_of(bias), &frame(&scene, &plan_of(bias))).expect("the frame is of the judge's view");

@@ -347,9 +347,10 @@ fn two_hundredths_less_are_too_little() {
     let config =
         ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default() };
     let mut runner = TestRunner::new(config);
-    let result = runner.run(&case(0.1..0.8), |case| {
-        // That a wide filter's support is no more than is needed is the filter's own tests' to say: of a thousand lookups here few reach its corners.
-        prop_assume!(matches!(case.filter, Filter::Hard | Filter::Bilinear));
+    // That a wide filter's support is no more than is needed is the filter's own tests' to say: of a thousand lookups here few reach its corners.
+    let narrow = (case(0.1..0.8), prop::sample::select(vec![Filter::Hard, Filter::Bilinear]));
+    let narrow = narrow.prop_map(|(case, filter)| Case { filter, ..case });
+    let result = runner.run(&narrow, |case| {
         let mut plane = lit_plane(&case, slope(0.98));
         for view in &mut plane.plan.views {
             view.rounding_texels = [0.0; 2];

@@ -259,7 +259,8 @@ fn tune_certifies_the_automatic_bias() {
             let of_name = |name: &str| rules.iter().find(|rule| rule["name"] == name).expect("it is tried");
             assert_eq!(of_name("automatic")["fails"], serde_json::json!([]));
             assert_eq!(of_name("three.js")["fails"], serde_json::json!(["acne"]));
-            assert_eq!(of_name("Bevy")["fails"], serde_json::json!(["gap"]));
+            let of_bevy = of_name("Bevy")["fails"].as_array().expect("it fails");
+            assert!(of_bevy.contains(&"shift".into()) && !of_bevy.contains(&"acne".into()), "{of_bevy:?}");
             let curve = light["curves"]["automatic"].as_array().expect("shares are tried");
             assert_eq!((curve.len(), &curve[0]["acne"]), (17, &of_name("three.js")["acne"]));
         }

@@ -96,7 +96,8 @@ pub(super) const MEASURE_HELP: &str = "\
 Why a pixel is wrong (its visibility is not exactly that of the light's
 centre), the first of these that applies:
 
-  coverage       renderer and rays see different triangles there
+  coverage       renderer and rays see different triangles there, or a sliver
+                 was drawn into the map at a depth that nothing has there
   terminator     the shading normal and the geometric one disagree about
                  facing the light
   seam           a tap leaves its cube face, or the map
@@ -133,15 +134,23 @@ What the columns mean, light by light:
                   the bias
   gap             how far from the foot of a wall its shadow would begin: of
                   all pixels that ask a map the median, and what 95 of 100
-                  stay below
+                  stay below; all, where nothing is shadowed any more
   wider           the share of these pixels whose gap is wider than that of the
+                  automatic bias by more than 2 %
+  shift           how far outlines of distant casters are moved along the
+                  surface: the price of a step along the normal
+  longer          the share of pixels whose shift is longer than that of the
                   automatic bias
-  fails           acne, where there is any; gap, where the median is wider than
-                  that of the automatic bias by more than 2 %
+  fails           acne, where there is any; gap or shift, where the share of
+                  pixels with more of it than needed is above 5 %
+
+What slivers do to a map, in whose texels they can be drawn at any depth, is no
+bias's fault: it is counted apart.
 
 Biases are tried on the same maps, with the same filter, for they are a matter
 of the receivers alone. Each engine's default is taken in its own units; what
-the engine does beside it (its filter, fit and cascades) is not part of it.
+the engine does beside it (its filter, fit and cascades, and which faces it
+casts) is not part of it.
 
 The constant bias that was tuned is the least that leaves this picture without
 acne, found by halving: what a patient hand would arrive at, for this camera

@@ -8,13 +8,13 @@ use std::path::Path;
 use serde::Serialize;
 use shadow_cpu::{
     RasterRules,
-    measure::{Cause, Gaps, Judge, Needs, Onset, Trial, Trials},
+    measure::{Cause, Judge, Lengths, Needs, Onset, Trial, Trials},
     trace::{CameraView, Sampling, Tracer},
 };
 use shadow_math::Filter;
 use shadow_scene::{FrameMaps, LayerName, Request};
 
-use self::tries::{STEPS_OF_LIGHT, Tries};
+use self::tries::{STEPS_OF_LIGHT, TRIED_SHARES, Tries};
 use super::Verdict;
 use crate::{
     args::{Backend, BiasArgs, TuneArgs},
@@ -56,6 +56,8 @@ struct LightReport {
     maps: u32,
     /// Pixels that shadow themselves in the frame that was rendered.
     acne: u64,
+    /// Pixels that are shadowed by texels into which slivers were drawn at depths that nothing has there.
+    by_slivers: u64,
     /// Pixels whose two normals disagree about facing the light: a smooth mesh shows its facets there, whatever the bias.
     at_terminator: u64,
     needed: NeededReport,
@@ -102,18 +104,33 @@ struct BiasReport {
     amount: Option<f32>,
     acne: u64,
     peter_panning: u64,
-    gap: GapReport,
+    gap: LengthsReport,
+    /// How far outlines are moved.
+    shift: LengthsReport,
+    /// Pixels whose gap is wider than that of the automatic bias.
     wider: u64,
+    /// Pixels whose outlines are moved farther than by the automatic bias.
+    shifted: u64,
+    /// Whether the engine also draws back faces into its map, which is not tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    casts_back_faces: Option<bool>,
     fails: Vec<Failure>,
 }
 
-/// As [`Gaps`] has it.
+/// As [`Lengths`] has it; null for what is infinite.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct GapReport {
+struct LengthsReport {
     pixels: u64,
     median: f32,
     percentile_95: f32,
     max: f32,
+}
+
+impl From<Lengths> for LengthsReport {
+    fn from(lengths: Lengths) -> Self {
+        let Lengths { pixels, median, percentile_95, max } = lengths;
+        Self { pixels, median, percentile_95, max }
+    }
 }
 
 /// What a bias fails at.
@@ -124,6 +141,8 @@ enum Failure {
     Acne,
     /// Shadows begin farther from what casts them than they need to.
     Gap,
+    /// Outlines are moved farther than they need to be.
+    Shift,
 }
 
 impl Failure {
@@ -131,40 +150,38 @@ impl Failure {
         match self {
             Self::Acne => "acne",
             Self::Gap => "gap",
+            Self::Shift => "shift",
         }
     }
 }
 
-/// By how much the median gap may exceed that of the automatic bias before a bias counts as failing: as a factor.
-const GAP_MARGIN: f32 = 1.02;
+/// The share of pixels with a wider gap, or a longer shift, than that of the automatic bias, beyond which a bias counts as failing.
+const MORE_THAN_NEEDED: f64 = 0.05;
 
 impl BiasReport {
-    /// `automatic` are the gaps of the automatic bias.
-    fn new(name: String, trial: &Trial, automatic: &Gaps) -> Self {
-        let Gaps { pixels, median, percentile_95, max } = trial.gaps;
-        let mut fails = Vec::new();
-        if trial.acne() > 0 {
-            fails.push(Failure::Acne);
-        }
-        if median > GAP_MARGIN * automatic.median {
-            fails.push(Failure::Gap);
-        }
+    fn new(name: String, trial: &Trial) -> Self {
+        let many = |pixels: u64| pixels as f64 > MORE_THAN_NEEDED * trial.gaps.pixels as f64;
+        let failures =
+            [(Failure::Acne, trial.acne() > 0), (Failure::Gap, many(trial.wider)), (Failure::Shift, many(trial.shifted))];
         Self {
             name,
             what: None,
             amount: None,
             acne: trial.acne(),
             peter_panning: trial.counts.count(Cause::PeterPanning),
-            gap: GapReport { pixels, median, percentile_95, max },
+            gap: trial.gaps.into(),
+            shift: trial.shifts.into(),
             wider: trial.wider,
-            fails,
+            shifted: trial.shifted,
+            casts_back_faces: None,
+            fails: failures.into_iter().filter_map(|(failure, is_so)| is_so.then_some(failure)).collect(),
         }
     }
 }
 
 impl From<&Needs> for NeededReport {
     fn from(needs: &Needs) -> Self {
-        let median = |gaps: &[f32]| Gaps::of(gaps).median;
+        let median = |gaps: &[f32]| Lengths::of(gaps.iter().copied()).median;
         Self { filter: median(&needs.filter), snap: median(&needs.snap), rounding: median(&needs.rounding) }
     }
 }
@@ -238,6 +255,7 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
             kind: kind_name(&light.light.kind),
             maps: job.plan.lights[index].view_count,
             acne: judgement.lights[index].counts.count(Cause::Acne),
+            by_slivers: judgement.lights[index].counts.by_slivers,
             at_terminator: judgement.lights[index].counts.at_terminator,
             needed: NeededReport::from(&judge.needs(&job.plan, index, triangles)),
             onset: onset.map(OnsetReport::from),
@@ -270,19 +288,24 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
 }
 
 /// The headings of the table of biases.
-const HEADINGS: [&str; 7] = ["bias", "acne", "peter panning", "gap: median", "gap: 95 %", "wider", "fails"];
+const HEADINGS: [&str; 9] = ["bias", "acne", "peter panning", "gap: median", "95 %", "wider", "shift: median", "longer", "fails"];
+/// What stands behind the name of an engine that also casts back faces.
+const BACK_FACES_MARK: &str = " *";
 
 /// The cells of a bias, in the order of [`HEADINGS`].
-fn cells(bias: &BiasReport) -> [String; 7] {
-    let GapReport { pixels, median, percentile_95, .. } = bias.gap;
+fn cells(bias: &BiasReport) -> [String; HEADINGS.len()] {
     let fails: Vec<_> = bias.fails.iter().map(|failure| failure.name()).collect();
+    let share = |pixels: u64| format!("{:.0} %", 100.0 * pixels as f64 / bias.gap.pixels.max(1) as f64);
+    let mark = if bias.casts_back_faces == Some(true) { BACK_FACES_MARK } else { "" };
     [
-        bias.name.clone(),
+        format!("{}{mark}", bias.name),
         bias.acne.to_string(),
         bias.peter_panning.to_string(),
-        length(f64::from(median)),
-        length(f64::from(percentile_95)),
-        format!("{:.0} %", 100.0 * bias.wider as f64 / pixels.max(1) as f64),
+        length(f64::from(bias.gap.median)),
+        length(f64::from(bias.gap.percentile_95)),
+        share(bias.wider),
+        length(f64::from(bias.shift.median)),
+        share(bias.shifted),
         if fails.is_empty() { "-".into() } else { fails.join(", ") },
     ]
 }
@@ -294,7 +317,7 @@ fn text(report: &Report<'_>) -> String {
         text.push_str(&format!("light {index}, {} `{}`, {}\n", light.kind, light.name, maps(report, light)));
         let mut rows = vec![HEADINGS.map(String::from).to_vec()];
         rows.extend(light.rules.iter().map(|bias| cells(bias).to_vec()));
-        text.push_str(&table(&rows, |column| column == 0 || column == 6));
+        text.push_str(&table(&rows, |column| column == 0 || column == HEADINGS.len() - 1));
         for sentence in sentences(light) {
             text.push_str(&sentence);
             text.push('\n');
@@ -330,24 +353,34 @@ fn sentences(light: &LightReport) -> Vec<String> {
     };
     let NeededReport { filter, snap, rounding } = light.needed;
     let part = |gap: f32| length(f64::from(gap));
-    let mut sentences = vec![
-        format!(
-            "gaps that planes need, medians over {} pixels: {} for the filter's taps, {} for the snapping of vertices, {} for rounding",
-            automatic.gap.pixels,
-            part(filter),
-            part(snap),
-            part(rounding)
-        ),
-        match light.onset {
-            Some(OnsetReport { with_acne, without }) => {
-                format!(
-                    "with {with_acne:.3} of the automatic bias there is acne in this picture, with {without:.3} and more there is none"
-                )
-            }
-            None if automatic.acne > 0 => "there is acne with the automatic bias".into(),
-            None => "this picture has no acne even without a bias".into(),
-        },
-    ];
+    let mut sentences = Vec::new();
+    if light.rules.iter().any(|bias| bias.casts_back_faces == Some(true)) {
+        sentences.push(
+            "* by default this engine also draws the back faces of closed casters into its map, which is not tried here: its acne is that of open meshes".into(),
+        );
+    }
+    sentences.push(format!(
+        "gaps that planes need, medians over {}: {} for the filter's taps, {} for the snapping of vertices, {} for rounding",
+        count(automatic.gap.pixels as usize, "pixel"),
+        part(filter),
+        part(snap),
+        part(rounding)
+    ));
+    sentences.push(match light.onset {
+        Some(OnsetReport { with_acne, without }) => {
+            // Rounded up, so that what is printed is no less than what was tried.
+            let without = (f64::from(without) * 1e4).ceil() * 1e-4;
+            format!("of {TRIED_SHARES} shares of the automatic bias that were tried {with_acne:.4} is the largest with acne, and {without:.4} the next, without")
+        }
+        None if automatic.acne > 0 => "there is acne with the automatic bias".into(),
+        None => "this picture has no acne even without a bias".into(),
+    });
+    if light.by_slivers > 0 {
+        sentences.push(format!(
+            "{} on texels into which a sliver was drawn at a depth that nothing has there, which no bias makes up for: they do not count as acne",
+            count_of(light.by_slivers)
+        ));
+    }
     if light.at_terminator > 0 {
         sentences.push(format!(
             "{} where smooth normals and flat faces disagree about facing the light: facets show there, and no bias is to blame (the terminator)",
@@ -362,10 +395,11 @@ fn count_of(pixels: u64) -> String {
     if pixels == 1 { "1 pixel lies".into() } else { format!("{pixels} pixels lie") }
 }
 
-/// A length with three digits and the unit that suits it; 0 for less, which rounding makes of nothing.
+/// A length with three digits and the unit that suits it; 0 for less, which rounding makes of nothing, and all of it where nothing is shadowed.
 fn length(metres: f64) -> String {
     let (value, unit) = match metres {
         m if m <= 0.0 => return "0".into(),
+        f64::INFINITY => return "all".into(),
         m if m < 1e-6 => (m * 1e9, "nm"),
         m if m < 1e-3 => (m * 1e6, "µm"),
         m if m < 1.0 => (m * 1e3, "mm"),
@@ -385,6 +419,7 @@ mod tests {
         for (metres, text) in [
             (0.0, "0"),
             (-1e-8, "0"),
+            (f64::INFINITY, "all"),
             (3.21e-8, "32.1 nm"),
             (4.5e-5, "45.0 µm"),
             (0.00123, "1.23 mm"),

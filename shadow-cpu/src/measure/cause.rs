@@ -6,8 +6,7 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Cause {
-    /// The renderer and the rays see different triangles there: in the camera's picture or, where all taps see the light, in the light's map, whose texels do
-    /// not hold the depth of what rays from the light meet first. A rasteriser's depth plane has no bound on rounding for slivers, and for triangles that the light sees edge-on.
+    /// The renderer and the rays see different triangles there: in the camera's picture or, by [`Counts::by_slivers`], in the light's map.
     Coverage = 1,
     /// The shading normal and the geometric normal disagree about facing the light, or single and double precision do.
     Terminator = 2,
@@ -60,6 +59,10 @@ pub struct Counts {
     /// Of these, pixels whose shading normal faces the light and whose geometric normal does not, or the other way round: a smooth mesh shows its
     /// facets there, whatever casts shadows. Few of them are wrong by their visibility, which goes by the geometric normal.
     pub at_terminator: u64,
+    /// Of those whose cause is [`Cause::Coverage`], pixels that see the light as all their taps do, and are shadowed by texels into which a sliver was drawn at a depth that
+    /// nothing has there. A rasteriser's depth plane has no [bound on rounding](shadow_math::rounding) for slivers, and for triangles that the light sees edge-on; no bias
+    /// makes up for it.
+    pub by_slivers: u64,
     /// Wrong pixels by cause, in the order of [`Cause::ALL`].
     pub causes: [u64; Cause::ALL.len()],
     /// The sum, over the pixels judged, of the squared distance of the visibility from the truth, that of the light's whole size.
@@ -91,6 +94,7 @@ impl AddAssign for Counts {
         self.judged += other.judged;
         self.at_terminator += other.at_terminator;
         self.squared_error += other.squared_error;
+        self.by_slivers += other.by_slivers;
         for (count, more) in self.causes.iter_mut().zip(other.causes) {
             *count += more;
         }

@@ -1,5 +1,6 @@
 //! How far shadows begin from what casts them.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use shadow_math::{
     Receiver,
@@ -7,7 +8,7 @@ use shadow_math::{
     filter::support,
     plan::{LightPlan, SNAP_TEXELS, ViewPlan},
     vector::row_times_point,
-    visibility::{Lookup, footprint, lookup},
+    visibility::{Lookup, NO_VIEW, footprint, lookup},
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, SceneLight};
 
@@ -50,44 +51,75 @@ impl NeededParts {
     }
 }
 
+/// A shift below this many texels counts as none: coordinates of up to 16384 texels in f32 have steps of a thousandth.
+const LEAST_SHIFT: f64 = 1.0 / 64.0;
+
+/// What a bias costs at a pixel, in metres on the surface. Both are NaN where the automatic bias asks no map.
+///
+/// Let the light's ray through the lookup meet the surface's plane in B, and let the depth that is compared lie c before B on that ray, at an angle to the
+/// surface's normal. A wall that stands on the surface, across the light, at a distance x from the receiver is seen if it is met before that depth is: if `x > b + c sin`, with
+/// b the part of the way from the receiver to B that leads toward the light. A depth bias has b = 0 and a gap of `c sin`; a step along the normal has no gap, for b is `-c sin`,
+/// and moves every outline on the surface by as much ("Price" of a bias).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Price {
+    /// How far from the foot of a wall its shadow begins; infinite where the rule asks no map any more.
+    pub gap: f32,
+    /// How far outlines of distant casters are moved.
+    pub shift: f32,
+}
+
+impl Price {
+    const NONE: Self = Self { gap: f32::NAN, shift: f32::NAN };
+    /// Of a lookup that left the light's view: everything is lit.
+    const EVERYTHING: Self = Self { gap: f32::INFINITY, shift: 0.0 };
+}
+
 /// A pixel whose receiver asks a map of a light.
 struct AskingPixel<'a> {
     light: &'a SceneLight,
     plan: &'a LightPlan,
-    view: &'a ViewPlan,
     receiver: Receiver,
     point: SurfacePoint,
+    /// Toward the light, of unit length.
+    toward: DVec3,
+    /// What the automatic bias asks.
     lookup: Lookup,
-    /// Of the angle between the normal and the light.
-    sine: f64,
 }
 
 impl AskingPixel<'_> {
-    /// The gap that a depth leaves at the receiver.
-    fn gap_of(&self, depth: f32) -> f64 {
-        self.sine * metres_before(self.light, self.view, self.point.position, f64::from(depth))
+    /// The sine of the angle between normal and light.
+    fn sine(&self) -> f64 {
+        self.point.normal.cross(self.toward).length()
+    }
+
+    fn price(&self, view: &ViewPlan, lookup: &Lookup) -> Price {
+        let taps = Taps::of(self.plan, view, lookup, &self.point, 0.0);
+        let Some(behind) = taps.behind(lookup) else { return Price { gap: 0.0, shift: 0.0 } };
+        // Single precision moves a lookup by some thousandths of a texel: that is no step.
+        let texel = f64::from(view.texel_metres[0].max(view.texel_metres[1]) * row_times_point(view.clip_w, self.receiver.point));
+        let moved = behind.position - self.point.position;
+        let moved = if moved.length() < LEAST_SHIFT * texel { DVec3::ZERO } else { moved };
+        let across = (self.toward - self.point.normal * self.point.normal.dot(self.toward)).normalize_or_zero();
+        let gap = moved.dot(across) + self.sine() * taps.gap_metres(self.light, lookup);
+        Price { gap: gap.max(0.0) as f32, shift: moved.length() as f32 }
     }
 }
 
 impl Judge<'_> {
-    /// The gaps that a rule leaves: for every pixel whose surface faces the light and asks a map, how far in metres a shadow would begin from the foot of
-    /// a wall that stands on the surface, across the light. NaN for every other pixel. `triangles` and `ask` are as for [`Self::judge_rule`].
-    ///
-    /// A depth that is compared c metres before the surface, along the light, leaves a gap of `c sin`, with the angle between the normal and the light; a
-    /// step along the normal that clears as much shortens shadows by the same length.
+    /// What a rule costs, pixel by pixel. `triangles` and `ask` are as for [`Self::judge_rule`].
     ///
     /// # Panics
     ///
     /// As [`Self::judge_rule`].
     #[must_use]
-    pub fn gaps(&self, plan: &FramePlan, light: usize, triangles: &[u32], ask: &Ask<'_>) -> Vec<f32> {
-        self.of_asking_pixels(plan, light, triangles, ask, |pixel| {
-            let taps = Taps::of(pixel.plan, pixel.view, &pixel.lookup, &pixel.point, 0.0);
-            pixel.sine * taps.gap_metres(pixel.light, &pixel.lookup)
+    pub fn prices(&self, plan: &FramePlan, light: usize, triangles: &[u32], ask: &Ask<'_>) -> Vec<Price> {
+        self.of_asking_pixels(plan, light, triangles, Price::NONE, |pixel| {
+            let found = ask(pixel.plan, &plan.views, &pixel.receiver);
+            plan.views.get(found.view as usize).map_or(Price::EVERYTHING, |view| pixel.price(view, &found))
         })
     }
 
-    /// The gaps that the parts of the automatic bias leave, each as by [`Self::gaps`]: `h(g)`, snap and rounding.
+    /// The gaps that the parts of the automatic bias would leave as depths: `h(g)`, snap and rounding.
     ///
     /// # Panics
     ///
@@ -95,22 +127,24 @@ impl Judge<'_> {
     #[must_use]
     pub fn needs(&self, plan: &FramePlan, light: usize, triangles: &[u32]) -> Needs {
         let gaps = |part: fn(&NeededParts) -> f32| {
-            self.of_asking_pixels(plan, light, triangles, &lookup, |pixel| {
-                pixel.gap_of(part(&NeededParts::of(pixel.plan, pixel.view, &pixel.receiver)))
+            self.of_asking_pixels(plan, light, triangles, f32::NAN, |pixel| {
+                let view = &plan.views[pixel.lookup.view as usize];
+                let depth = part(&NeededParts::of(pixel.plan, view, &pixel.receiver));
+                (pixel.sine() * metres_before(pixel.light, view, pixel.point.position, f64::from(depth))) as f32
             })
         };
         Needs { filter: gaps(|parts| parts.filter), snap: gaps(|parts| parts.snap), rounding: gaps(|parts| parts.rounding) }
     }
 
-    /// What `value` says of each pixel whose surface faces a light and asks one of its maps, in the order of the pixels; NaN for each that does not.
-    fn of_asking_pixels(
+    /// What `value` says of each pixel whose surface faces a light and asks one of its maps under the automatic bias, in the order of the pixels; `none` for each that does not.
+    fn of_asking_pixels<T: Copy + Send + Sync>(
         &self,
         plan: &FramePlan,
         light: usize,
         triangles: &[u32],
-        ask: &Ask<'_>,
-        value: impl Fn(&AskingPixel<'_>) -> f64 + Sync,
-    ) -> Vec<f32> {
+        none: T,
+        value: impl Fn(&AskingPixel<'_>) -> T + Sync,
+    ) -> Vec<T> {
         let scene = self.tracer.scene();
         let width = self.seen.view.width() as usize;
         let (scene_light, light_plan) = (&scene.lights()[light], &plan.lights[light]);
@@ -121,15 +155,14 @@ impl Judge<'_> {
             }
             let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
             let point = self.tracer.surface_point(hit, self.seen.view.ray(x, y));
-            let toward = toward_center(scene_light, point.position)?;
+            let toward = toward_center(scene_light, point.position)?.normalize_or_zero();
             let receiver = receiver_at(scene, plan, hit.triangle, x, y);
-            let lookup = ask(light_plan, &plan.views, &receiver);
-            let view = plan.views.get(lookup.view as usize)?;
-            let sine = point.normal.cross(toward).length() / toward.length();
-            Some(value(&AskingPixel { light: scene_light, plan: light_plan, view, receiver, point, lookup, sine }))
+            let lookup = lookup(light_plan, &plan.views, &receiver);
+            (lookup.view != NO_VIEW)
+                .then(|| value(&AskingPixel { light: scene_light, plan: light_plan, receiver, point, toward, lookup }))
         };
         let pixels = (0..self.seen.hits.len()).into_par_iter();
-        self.tracer.install(|| pixels.map(|pixel| of_pixel(pixel).map_or(f32::NAN, |value| value as f32)).collect())
+        self.tracer.install(|| pixels.map(|pixel| of_pixel(pixel).unwrap_or(none)).collect())
     }
 }
 

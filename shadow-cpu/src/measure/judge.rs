@@ -162,8 +162,8 @@ impl<'a> Judge<'a> {
 
     /// Says what is wrong with a frame that was rendered by `plan`: one of the judge's scene, lights and view.
     ///
-    /// The frame needs its triangle layer and the visibility of every light. With its shadow maps too, acne is told from texels that do not hold the depth of what
-    /// the light sees there: see [`Cause::Coverage`].
+    /// The frame needs its triangle layer and the visibility of every light. With its shadow maps too, acne is told from what slivers do to a map: see
+    /// [`Counts::by_slivers`].
     ///
     /// # Errors
     ///
@@ -259,12 +259,13 @@ impl<'a> Judge<'a> {
                         (triangle != NO_TRIANGLE).then(|| receiver_at(self.tracer.scene(), plan, triangle, x as u32, y as u32));
                     let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask, maps };
                     let judged = self.judge_pixel(plan, light, (x as u32, y as u32), triangle, &answer, &mut rays);
-                    let Some(JudgedPixel { cause, error, is_at_terminator }) = judged else { continue };
+                    let Some(JudgedPixel { found, error, is_at_terminator }) = judged else { continue };
                     counts.judged += 1;
                     counts.at_terminator += u64::from(is_at_terminator);
                     counts.squared_error += error * error;
                     errors[x] = error as f32;
-                    if let Some(cause) = cause {
+                    if let Some(Found { cause, is_by_slivers }) = found {
+                        counts.by_slivers += u64::from(is_by_slivers);
                         causes[x] = cause as u8;
                         counts.causes[cause as usize - 1] += 1;
                     }
@@ -304,7 +305,7 @@ impl<'a> Judge<'a> {
         let Some(receiver) = receiver.filter(|_| hit.triangle == triangle) else {
             let shows_something = hit.triangle != NO_TRIANGLE || triangle != NO_TRIANGLE;
             let cause = is_wrong.then_some(Cause::Coverage);
-            return shows_something.then_some(JudgedPixel { cause, error, is_at_terminator: false });
+            return shows_something.then_some(JudgedPixel { found: cause.map(Found::of), error, is_at_terminator: false });
         };
         let ray = self.seen.view.ray(x, y);
         let point = self.tracer.surface_point(hit, ray);
@@ -313,9 +314,9 @@ impl<'a> Judge<'a> {
         let shading_normal = shading_normal(scene, hit, ray.direction());
         let faces = |normal: DVec3| normal.dot(toward) > 0.0;
         let is_at_terminator = shading_normal != DVec3::ZERO && faces(shading_normal) != faces(point.normal);
-        let cause = is_wrong.then(|| {
+        let found = is_wrong.then(|| {
             if is_at_terminator {
-                return Cause::Terminator;
+                return Found::of(Cause::Terminator);
             }
             let lookup = ask(&plan.lights[light_index], &plan.views, &receiver);
             let view = plan.views.get(lookup.view as usize);
@@ -324,7 +325,7 @@ impl<'a> Judge<'a> {
             let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility, largest, maps };
             cause_by_taps(&point, &taken, self.sees_center[place], rays)
         });
-        Some(JudgedPixel { cause, error, is_at_terminator })
+        Some(JudgedPixel { found, error, is_at_terminator })
     }
 }
 
@@ -350,7 +351,7 @@ struct Answer<'a> {
 
 /// What a pixel is judged to be.
 struct JudgedPixel {
-    cause: Option<Cause>,
+    found: Option<Found>,
     error: f64,
     is_at_terminator: bool,
 }
@@ -369,19 +370,32 @@ struct Taken<'a> {
     maps: Option<&'a Maps<'a>>,
 }
 
+/// A cause that was found.
+struct Found {
+    cause: Cause,
+    /// Whether slivers in the map are to blame.
+    is_by_slivers: bool,
+}
+
+impl Found {
+    const fn of(cause: Cause) -> Self {
+        Self { cause, is_by_slivers: false }
+    }
+}
+
 /// Why the visibility of a pixel is wrong, where rays and rasteriser see the same triangle and both normals agree.
-fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, rays: &mut Rays<'_>) -> Cause {
+fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, rays: &mut Rays<'_>) -> Found {
     let Taken { light, plan, view, lookup, visibility, largest, maps } = taken;
     let Some(view) = view else {
         // Without a map a surface that faces away is dark: single and double precision disagree about that. All else is lit.
-        return if lookup.known == 0.0 { Cause::Terminator } else { Cause::Leak };
+        return Found::of(if lookup.known == 0.0 { Cause::Terminator } else { Cause::Leak });
     };
     if !Rays::faces_center(receiver, light) {
-        return Cause::Terminator;
+        return Found::of(Cause::Terminator);
     }
     let taps = Taps::of(plan, view, lookup, receiver, *largest);
     if taps.cross_seam(plan, lookup) {
-        return Cause::Seam;
+        return Found::of(Cause::Seam);
     }
     // Where the light's ray does not meet the plane, nothing of the plane is lit.
     let mut sees = |point: Option<SurfacePoint>| point.is_some_and(|point| rays.sees_center(&point, light));
@@ -395,21 +409,23 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
         };
     }
     if is_mixed {
-        return if *visibility > 0.0 && *visibility < 1.0 { Cause::Filter } else { Cause::Aliasing };
+        return Found::of(if *visibility > 0.0 && *visibility < 1.0 { Cause::Filter } else { Cause::Aliasing });
     }
     if sees_center {
         let hiding = maps.map_or_else(Vec::new, |maps| taps.hiding(maps, lookup).collect());
-        let mut can_hold = |tap: &HidingTap| {
+        // What a texel holds is wrong where no surface that the light sees first has that depth, and a sliver is there that may have been given it.
+        let mut is_by_a_sliver = |tap: &HidingTap| {
             let seen = rays.first_from_center(tap.behind, light);
-            seen.is_some_and(|seen| taps.can_hold(tap, &seen))
+            let holds = seen.is_some_and(|seen| taps.can_hold(tap, &seen));
+            !holds && rays.is_near_ray_from_center(tap.behind, light, taps.widest_clearance(), |corners| taps.is_sliver(corners))
         };
-        let is_drawn_wrongly = !hiding.is_empty() && !hiding.iter().any(&mut can_hold);
-        return if is_drawn_wrongly { Cause::Coverage } else { Cause::Acne };
+        let is_all_by_slivers = !hiding.is_empty() && hiding.iter().all(&mut is_by_a_sliver);
+        return Found { cause: if is_all_by_slivers { Cause::Coverage } else { Cause::Acne }, is_by_slivers: is_all_by_slivers };
     }
     let gap = taps.gap_metres(light, lookup);
     let blocker = rays.blocker_of_center(receiver, light);
     let is_nearer = blocker.is_some_and(|(ray, hit)| ray.direction().length() * hit.distance <= gap);
-    if is_nearer { Cause::PeterPanning } else { Cause::Leak }
+    Found::of(if is_nearer { Cause::PeterPanning } else { Cause::Leak })
 }
 
 /// The vector toward the middle of a light, of any length; `None` where its light does not reach.

@@ -10,7 +10,7 @@ use shadow_math::{
     bias::{depth_gradient, needed_depth, normal_offset},
     filter::turn::turn_of_pixel,
     fit::cube_face_of,
-    plan::{FILTER_DISC, LIGHT_POINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    plan::{FILTER_DISC, LIGHT_DIRECTIONAL, LIGHT_SPOT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
     vector::row_times_point,
     visibility::{Lookup, NO_VIEW, footprint, unit_normal},
 };
@@ -68,18 +68,23 @@ const NOTHING: Rule = Rule::Engine {
     sum_limit: f32::INFINITY,
 };
 
-/// One step of a 24-bit map, for polygon offsets whose constant is counted in units.
-const UNIT: f32 = 1.0 / 16_777_216.0;
+/// One step of a 16-bit map, for polygon offsets whose constant is counted in units.
+const UNIT_16: f32 = 1.0 / 65_536.0;
 
 /// What an engine does by default, and where that stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngineRule {
     /// The engine.
     pub name: &'static str,
-    /// The rule for directional and spot lights.
-    pub rule: Rule,
+    /// The rule for directional lights.
+    pub directional: Rule,
+    /// The rule for spot lights.
+    pub spot: Rule,
     /// The rule for point lights.
-    pub rule_of_points: Rule,
+    pub point: Rule,
+    /// Whether the engine by default draws the back faces of closed casters, so that the fronts have their bias from the casters' own thickness. That is a matter of
+    /// the map, and no part of the rule.
+    pub casts_back_faces: bool,
     /// What is expressed, in the engine's own terms, and what is not.
     pub what: &'static str,
 }
@@ -90,13 +95,13 @@ pub const ENGINES: [EngineRule; 7] = {
         let (of_stored, sum, sum_limit) = (0.0, 0.0, f32::INFINITY);
         Rule::Engine { along_normal, toward_light, depth, of_stored, slope, sum, sum_limit }
     }
-    const fn both(name: &'static str, rule: Rule, what: &'static str) -> EngineRule {
-        EngineRule { name, rule, rule_of_points: rule, what }
+    const fn same(name: &'static str, rule: Rule, casts_back_faces: bool, what: &'static str) -> EngineRule {
+        EngineRule { name, directional: rule, spot: rule, point: rule, casts_back_faces, what }
     }
     /// A square's diagonal over its side, as Bevy scales texels.
     const SQRT_2: f32 = core::f32::consts::SQRT_2;
     [
-        both(
+        same(
             "OGRE 1.12",
             Rule::Engine {
                 along_normal: AlongNormal::Nothing,
@@ -107,25 +112,32 @@ pub const ENGINES: [EngineRule; 7] = {
                 sum: 0.0,
                 sum_limit: f32::INFINITY,
             },
-            "receiver's fixed bias 0.0005 of the stored depth; its gradient's scale is 0 by default",
+            true,
+            "its shadow sample's receiver: a fixed bias of 0.0005 of the stored depth, with a gradient whose scale is 0 by default",
         ),
-        both(
+        same(
             "OGRE 13",
-            engine(AlongNormal::Nothing, 0.0, 0.5 * UNIT, 1.0),
-            "material depth_bias 0.5, slope 1; its casters' back faces are not expressed",
+            engine(AlongNormal::Nothing, 0.0, 0.5 * UNIT_16, 1.0),
+            true,
+            "its shadow sample's depth_bias, constant 0.5 and slope 1 on a map of 16 bits, taken as away from the light",
         ),
         EngineRule {
             name: "Bevy",
-            rule: engine(AlongNormal::Texels(1.8 * SQRT_2), 0.02, 0.0, 0.0),
-            rule_of_points: engine(AlongNormal::Texels(0.6 * SQRT_2), 0.08, 0.0, 0.0),
+            directional: engine(AlongNormal::Texels(1.8 * SQRT_2), 0.02, 0.0, 0.0),
+            spot: engine(AlongNormal::Texels(1.8 * SQRT_2), 0.02, 0.0, 0.0),
+            point: engine(AlongNormal::Texels(0.6 * SQRT_2), 0.08, 0.0, 0.0),
+            casts_back_faces: false,
             what: "shadow_depth_bias 0.02 m (point 0.08), shadow_normal_bias 1.8 texels (point 0.6) times sqrt 2, at any angle",
         },
-        both(
-            "Filament",
-            engine(AlongNormal::TexelsTimesSine(0.5), 0.001, 0.5 * UNIT, 2.0),
-            "constantBias 0.001 m, normalBias 1 (half a texel times the sine), polygon offset 0.5 and 2",
-        ),
-        both(
+        EngineRule {
+            name: "Filament",
+            directional: engine(AlongNormal::TexelsTimesSine(0.5), 0.001, 0.5 * UNIT_16, 2.0),
+            spot: engine(AlongNormal::TexelsTimesSine(1.0), 0.001, 0.5 * UNIT_16, 2.0),
+            point: engine(AlongNormal::TexelsTimesSine(1.0), 0.001, 0.5 * UNIT_16, 2.0),
+            casts_back_faces: false,
+            what: "constantBias 0.001 m, normalBias 1 (half a texel times the sine; a whole one for spot and point lights), polygon offset 0.5 and 2 on a map of 16 bits",
+        },
+        same(
             "MJP",
             Rule::Engine {
                 along_normal: AlongNormal::Nothing,
@@ -136,14 +148,19 @@ pub const ENGINES: [EngineRule; 7] = {
                 sum: 1.0,
                 sum_limit: 0.01,
             },
+            false,
             "receiver plane: its static term of a texel, at most 0.01 of the range; the plane's own correction at each tap is part of it here",
         ),
-        both("three.js", NOTHING, "bias 0 and normalBias 0: scenes are tuned by hand"),
-        both(
-            "Godot 4",
-            engine(AlongNormal::AcrossLight(2.0), 0.001, 0.0, 0.0),
-            "shadow_bias 0.1 (its shaders take a hundredth, in metres toward the light), shadow_normal_bias 2 texels times one minus the cosine, across the light; its scaling by split and filter quality is not expressed",
-        ),
+        same("three.js", NOTHING, true, "bias 0 and normalBias 0"),
+        EngineRule {
+            name: "Godot 4",
+            directional: engine(AlongNormal::AcrossLight(2.0), 0.001, 0.0, 0.0),
+            spot: engine(AlongNormal::AcrossLight(1.0), 0.0003, 0.0, 0.0),
+            point: engine(AlongNormal::AcrossLight(1.0), 0.001, 0.0, 0.0),
+            casts_back_faces: false,
+            what: "shadow_bias 0.1 (spot 0.03; its shaders take a hundredth, in metres toward the light), shadow_normal_bias 2 texels (spot and point 1) times one minus the \
+                   cosine, across the light; its scaling by split and filter quality is not expressed",
+        },
     ]
 };
 
@@ -231,7 +248,11 @@ impl EngineRule {
     /// The rule for a light of this kind.
     #[must_use]
     pub fn of(&self, light: &LightPlan) -> Rule {
-        if light.kind == LIGHT_POINT { self.rule_of_points } else { self.rule }
+        match light.kind {
+            LIGHT_DIRECTIONAL => self.directional,
+            LIGHT_SPOT => self.spot,
+            _ => self.point,
+        }
     }
 }
 
@@ -240,7 +261,7 @@ mod tests {
     use shadow_math::{
         Light, LightKind, ShadowSettings,
         bounds::Aabb,
-        plan::{MAX_VIEWS_PER_LIGHT, plan_light},
+        plan::{LIGHT_POINT, MAX_VIEWS_PER_LIGHT, plan_light},
         visibility::lookup,
     };
 
@@ -334,12 +355,12 @@ mod tests {
     }
 
     #[test]
-    fn engines_have_rules_of_their_own_for_points() {
+    fn engines_have_rules_of_their_own_for_each_kind() {
         let (light, ..) = noon();
-        let point = LightPlan { kind: LIGHT_POINT, ..light };
+        let [spot, point] = [LIGHT_SPOT, LIGHT_POINT].map(|kind| LightPlan { kind, ..light });
         for engine in ENGINES {
-            assert_eq!((engine.of(&light), engine.of(&point)), (engine.rule, engine.rule_of_points));
+            assert_eq!([&light, &spot, &point].map(|light| engine.of(light)), [engine.directional, engine.spot, engine.point]);
         }
-        assert!(ENGINES.iter().any(|engine| engine.rule != engine.rule_of_points));
+        assert!(ENGINES.iter().any(|engine| engine.directional != engine.spot && engine.directional != engine.point));
     }
 }

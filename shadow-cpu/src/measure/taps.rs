@@ -2,11 +2,12 @@
 
 use core::f64::consts::SQRT_2;
 
-use glam::{DVec3, DVec4, IVec2};
+use glam::{DVec2, DVec3, DVec4, IVec2};
 use shadow_math::{
     filter::taps::for_each_weighted_tap,
     fit::cube_face_of,
     plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
+    rounding::MAX_TRIANGLE_LENGTH,
     vector::row_times_point,
     visibility::{Lookup, MapAccess},
 };
@@ -118,6 +119,43 @@ impl<'a> Taps<'a> {
         })
     }
 
+    /// Whether a rasteriser's depths of a triangle have no bound on rounding in this map: slivers, by the [bound](shadow_math::rounding) that holds for all others, and
+    /// triangles whose image is no thicker than their corners' own rounding.
+    pub(super) fn is_sliver(&self, corners: &[DVec3; 3]) -> bool {
+        let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
+        let height = |area: f64, sides: [f64; 3]| area / sides.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let ws = corners.map(|corner| row(self.view.clip_w).dot(corner.extend(1.0)));
+        let w = ws.into_iter().fold(f64::INFINITY, f64::min).max(f64::from(self.view.depth_range[0])).max(f64::MIN_POSITIVE);
+        let w = if self.view.w_per_metre == 0.0 { 1.0 } else { w };
+        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1])) * w;
+        let [a, b, c] = *corners;
+        let sides = [b - a, c - b, a - c].map(DVec3::length);
+        let longest = sides.into_iter().fold(0.0, f64::max);
+        let own_height = height((b - a).cross(c - a).length(), sides);
+        let size = f64::from(self.view.rect[2].max(self.view.rect[3]));
+        if longest * longest > MAX_TRIANGLE_LENGTH * size * texel * own_height {
+            return true;
+        }
+        if ws.into_iter().any(|w| w <= 0.0) {
+            return false;
+        }
+        let [a, b, c] = [0, 1, 2].map(|corner| {
+            let point = corners[corner].extend(1.0);
+            let ndc = DVec2::new(row(self.view.clip_x).dot(point), row(self.view.clip_y).dot(point)) / ws[corner];
+            ndc * DVec2::from(self.view.texel_scale.map(f64::from))
+        });
+        let image_height = height((b - a).perp_dot(c - a).abs(), [b - a, c - b, a - c].map(DVec2::length));
+        image_height <= f64::from(self.view.rounding_texels[0]) + f64::from(self.view.rounding_texels[1]) / w
+    }
+
+    /// As [`Self::clearance`], wherever on the light's ray through a tap.
+    pub(super) fn widest_clearance(&self) -> Clearance {
+        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
+        let w = if self.view.w_per_metre == 0.0 { 1.0 } else { f64::from(self.view.depth_range[1]) };
+        let widest = SQRT_2 * self.outline_error * texel * w;
+        Clearance { at_origin: widest, at_end: widest }
+    }
+
     /// How far outlines in the map can be off, in metres across the ray from one of the taps to the light.
     pub(super) fn clearance(&self, point: &SurfacePoint) -> Clearance {
         let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
@@ -127,11 +165,15 @@ impl<'a> Taps<'a> {
         Clearance { at_origin, at_end: if self.view.w_per_metre == 0.0 { at_origin } else { 0.0 } }
     }
 
+    /// Where the light's ray through a lookup meets the receiver's plane; `None` where it does not.
+    pub(super) fn behind(&self, lookup: &Lookup) -> Option<SurfacePoint> {
+        point_behind(self.view, lookup.texel.as_dvec2().to_array(), self.receiver)
+    }
+
     /// The gap that the bias leaves: how far before the receiver's plane the depth lies that is compared, in metres along the light's ray through the lookup.
     pub(super) fn gap_metres(&self, light: &SceneLight, lookup: &Lookup) -> f64 {
         let depth = f64::from(lookup.depth) - f64::from(lookup.bias);
-        let place = lookup.texel.as_dvec2();
-        let Some(behind) = point_behind(self.view, place.to_array(), self.receiver) else { return 0.0 };
+        let Some(behind) = self.behind(lookup) else { return 0.0 };
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
         let depth_behind = row(self.view.clip_z) / row(self.view.clip_w);
         metres_before(light, self.view, behind.position, depth_behind - depth)

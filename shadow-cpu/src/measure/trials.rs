@@ -5,14 +5,16 @@ use shadow_scene::FramePlan;
 
 use super::{
     cause::{Cause, Counts},
+    gaps::Price,
     judge::Judge,
     rule::Rule,
 };
 
-/// By how much a gap may exceed that of the automatic bias and still count as no wider.
-///
-/// Both are computed from depths in f32, of which a gap is a small difference.
-const WIDER: f32 = 1.02;
+/// By how much a gap or a shift may exceed that of the automatic bias and still count as no wider, as a factor: lengths are small differences of depths in f32.
+pub const WIDER: f32 = 1.02;
+
+/// A length in metres below which it counts as none: a micrometre, more than rounding makes of nothing in scenes of some metres.
+const LEAST: f32 = 1e-6;
 
 /// A frame's plan and maps, on which biases can be tried: the maps do not depend on the bias, which is a matter of the receivers alone.
 #[derive(Debug)]
@@ -21,8 +23,8 @@ pub struct Trials<'a, M> {
     plan: &'a FramePlan,
     triangles: &'a [u32],
     maps: &'a M,
-    /// The gaps of the automatic bias, light by light, pixel by pixel.
-    automatic: Vec<Vec<f32>>,
+    /// The prices of the automatic bias, light by light, pixel by pixel.
+    automatic: Vec<Vec<Price>>,
 }
 
 /// What a rule makes of one light's shadows.
@@ -33,9 +35,13 @@ pub struct Trial {
     /// Wrong pixels by cause.
     pub counts: Counts,
     /// How far shadows begin from what casts them.
-    pub gaps: Gaps,
-    /// Pixels whose gap is wider than that of the automatic bias there, by more than 2 %.
+    pub gaps: Lengths,
+    /// How far outlines are moved.
+    pub shifts: Lengths,
+    /// Pixels whose gap is wider than that of the automatic bias there, by more than [`WIDER`].
     pub wider: u64,
+    /// Pixels whose outlines are moved farther than by the automatic bias there, by more than [`WIDER`].
+    pub shifted: u64,
 }
 
 impl Trial {
@@ -46,29 +52,29 @@ impl Trial {
     }
 }
 
-/// Gaps in metres, over the pixels that ask a map; all 0 if none does.
+/// Lengths in metres, over the pixels that ask a map under the automatic bias; all 0 if none does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gaps {
+pub struct Lengths {
     /// How many pixels ask.
     pub pixels: u64,
-    /// Half of the gaps are at most this.
+    /// Half of them are at most this.
     pub median: f32,
-    /// 95 of 100 gaps are at most this.
+    /// 95 of 100 are at most this.
     pub percentile_95: f32,
-    /// The widest.
+    /// The longest.
     pub max: f32,
 }
 
-impl Gaps {
-    /// Of gaps pixel by pixel, those that are NaN left out.
+impl Lengths {
+    /// Of lengths pixel by pixel, those that are NaN left out.
     #[must_use]
-    pub fn of(gaps: &[f32]) -> Self {
-        let mut gaps: Vec<f32> = gaps.iter().copied().filter(|gap| !gap.is_nan()).collect();
-        if gaps.is_empty() {
+    pub fn of(lengths: impl IntoIterator<Item = f32>) -> Self {
+        let mut lengths: Vec<f32> = lengths.into_iter().filter(|length| !length.is_nan()).collect();
+        if lengths.is_empty() {
             return Self::default();
         }
-        let last = gaps.len() - 1;
-        let mut at = |share: f64| *gaps.select_nth_unstable_by((share * last as f64).round() as usize, f32::total_cmp).1;
+        let last = lengths.len() - 1;
+        let mut at = |share: f64| *lengths.select_nth_unstable_by((share * last as f64).round() as usize, f32::total_cmp).1;
         Self { median: at(0.5), percentile_95: at(0.95), max: at(1.0), pixels: last as u64 + 1 }
     }
 }
@@ -91,17 +97,25 @@ impl<'a, M: MapAccess + Sync> Trials<'a, M> {
     #[must_use]
     pub fn new(judge: &'a Judge<'a>, plan: &'a FramePlan, triangles: &'a [u32], maps: &'a M) -> Self {
         let mut trials = Self { judge, plan, triangles, maps, automatic: Vec::new() };
-        trials.automatic = (0..plan.lights.len()).map(|light| trials.gaps(light, Rule::Automatic { scale: 1.0 })).collect();
+        trials.automatic = (0..plan.lights.len()).map(|light| trials.prices(light, Rule::Automatic { scale: 1.0 })).collect();
         trials
     }
 
     /// Tries a rule on a light.
     #[must_use]
     pub fn try_rule(&self, light: usize, rule: Rule) -> Trial {
-        let gaps = self.gaps(light, rule);
-        let is_wider = |(gap, automatic): &(&f32, &f32)| **gap > WIDER * **automatic;
-        let wider = gaps.iter().zip(&self.automatic[light]).filter(is_wider).count() as u64;
-        Trial { rule, counts: self.counts(light, rule), gaps: Gaps::of(&gaps), wider }
+        let prices = self.prices(light, rule);
+        let count = |is_more: fn(&Price, &Price) -> bool| {
+            prices.iter().zip(&self.automatic[light]).filter(|(price, automatic)| is_more(price, automatic)).count() as u64
+        };
+        Trial {
+            rule,
+            counts: self.counts(light, rule),
+            gaps: Lengths::of(prices.iter().map(|price| price.gap)),
+            shifts: Lengths::of(prices.iter().map(|price| price.shift)),
+            wider: count(|price, automatic| price.gap > WIDER * automatic.gap + LEAST),
+            shifted: count(|price, automatic| price.shift > WIDER * automatic.shift + LEAST),
+        }
     }
 
     /// Where acne begins as an amount of bias shrinks from `without`, which leaves none, to `with_acne`, which leaves some: by halving the interval so
@@ -121,9 +135,9 @@ impl<'a, M: MapAccess + Sync> Trials<'a, M> {
         self.judge.judge_rule(self.plan, light, self.triangles, self.maps, &ask).counts
     }
 
-    fn gaps(&self, light: usize, rule: Rule) -> Vec<f32> {
+    fn prices(&self, light: usize, rule: Rule) -> Vec<Price> {
         let ask = |light: &LightPlan, views: &[ViewPlan], receiver: &Receiver| rule.ask(light, views, receiver);
-        self.judge.gaps(self.plan, light, self.triangles, &ask)
+        self.judge.prices(self.plan, light, self.triangles, &ask)
     }
 }
 
@@ -132,11 +146,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gaps_are_those_of_pixels_that_ask() {
+    fn lengths_are_those_of_pixels_that_ask() {
         let mut gaps: Vec<f32> = (0..=100_u8).map(f32::from).collect();
         gaps.extend([f32::NAN; 7]);
         gaps.reverse();
-        assert_eq!(Gaps::of(&gaps), Gaps { pixels: 101, median: 50.0, percentile_95: 95.0, max: 100.0 });
-        assert_eq!(Gaps::of(&[f32::NAN]), Gaps::default());
+        assert_eq!(Lengths::of(gaps), Lengths { pixels: 101, median: 50.0, percentile_95: 95.0, max: 100.0 });
+        assert_eq!(Lengths::of([f32::NAN]), Lengths::default());
     }
 }

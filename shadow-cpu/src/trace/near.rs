@@ -8,7 +8,6 @@ use glam::{DVec2, DVec3};
 use super::{
     ray::{Hit, Ray},
     structure::{LEAF, NO_LANE, Node, Structure},
-    surface::SurfacePoint,
     triangle::ShearedRay,
 };
 use crate::kernel::LANES;
@@ -33,16 +32,16 @@ impl Clearance {
 const AROUND: [[f64; 2]; 8] =
     [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
-/// Whether a triangle comes within `clearance` of a ray that leaves `point`, and is there. Rays are few here: boxes are taken one after the other.
+/// Whether a triangle that matters comes within `clearance` of a ray, and is there. Rays are few here: boxes are taken one after the other.
 ///
-/// A triangle of which nothing rises above the point's own plane hides nothing of it. `is_there` is told where the ray itself meets a triangle and, where
+/// `is_there` is told where the ray itself meets a triangle and, where
 /// it goes through a hole, where rays beside it do: the hole's outline moves as the corners do. Triangles that the ray passes by are there.
 pub(super) fn is_nearly_met(
     structure: &Structure,
     stack: &mut Vec<(u32, f32)>,
     ray: Ray,
-    point: &SurfacePoint,
     clearance: Clearance,
+    matters: impl Fn(&[DVec3; 3]) -> bool,
     is_there: impl Fn(&Hit) -> bool,
 ) -> bool {
     let sheared = ShearedRay::new(ray);
@@ -59,11 +58,11 @@ pub(super) fn is_nearly_met(
         let leaf = &structure.leaves[(child & !LEAF) as usize];
         for lane in (0..LANES).filter(|&lane| leaf.triangle[lane] != NO_LANE && leaf.triangle[lane] != ray.left()) {
             let corners = [leaf.corner(0, lane), leaf.corner(1, lane), leaf.corner(2, lane)];
-            let rises = corners.into_iter().any(|corner| point.normal.dot(corner - point.position) > point.lift);
-            if rises && sheared.passes_near(corners, clearance) {
+            if matters(&corners) && sheared.passes_near(corners, clearance) {
                 let Some(hit) = sheared.meet(leaf.triangle[lane], corners) else { return true };
+                let radius = clearance.at(hit.distance, ray.end());
                 let is_there_beside = |[x, y]: [f64; 2]| {
-                    let beside = ShearedRay::new(ray.beside(sheared.across(x * widest, y * widest)));
+                    let beside = ShearedRay::new(ray.beside(sheared.across(x * radius, y * radius)));
                     beside.meet(leaf.triangle[lane], corners).is_some_and(|hit| is_there(&hit))
                 };
                 if is_there(&hit) || AROUND.into_iter().any(is_there_beside) {

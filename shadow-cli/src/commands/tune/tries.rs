@@ -1,6 +1,6 @@
 //! Which biases are tried on a light, and in which order.
 
-use shadow_cpu::measure::{ENGINES, Gaps, Onset, Rule, Trial, Trials};
+use shadow_cpu::measure::{ENGINES, Onset, Rule, Trial, Trials};
 use shadow_math::{MapAccess, plan::LightPlan};
 
 use super::{BiasReport, CurvesReport, length};
@@ -13,10 +13,14 @@ const SCALE_HALVINGS: u32 = 6;
 const LEAST_EXPONENT: f32 = -20.0;
 /// The least constant without acne is found by halving the range of exponents so many times: to 0.7 % of it.
 const CONSTANT_HALVINGS: u32 = 11;
-/// The curve of the constant bias, in octaves from its least length without acne.
-const OCTAVES: std::ops::RangeInclusive<i8> = -8..=3;
-/// How many rules are tried for each light, at most: whatever is left out counts as done.
-pub(super) const STEPS_OF_LIGHT: u64 = (SCALES + 1 + SCALE_HALVINGS + 2 + CONSTANT_HALVINGS) as u64 + 13 + ENGINES.len() as u64;
+/// The curve of the constant bias: so many octaves below its least length without acne, and above.
+const OCTAVES: [i8; 12] = [-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3];
+/// How many shares of the automatic bias are tried, at most.
+pub(super) const TRIED_SHARES: u32 = SCALES + 1 + SCALE_HALVINGS;
+/// How many rules are tried for each light, at most: the shares, the two ends of the constants' range and what lies between, the curve, the constant that was tuned and the
+/// engines. Whatever is left out counts as done.
+pub(super) const STEPS_OF_LIGHT: u64 =
+    (TRIED_SHARES + 2 + CONSTANT_HALVINGS) as u64 + OCTAVES.len() as u64 + 1 + ENGINES.len() as u64;
 
 /// What was tried on a light.
 pub(super) struct Tries {
@@ -47,7 +51,6 @@ impl Tries {
         let scaled = |scale: f32| Rule::Automatic { scale };
         let scales: Vec<(f32, Trial)> =
             (0..=SCALES).map(|scale| scale as f32 / SCALES as f32).map(|scale| (scale, attempt(scaled(scale)))).collect();
-        let automatic = scales.last().map_or_else(Gaps::default, |(_, trial)| trial.gaps);
         // The largest share with acne, unless that is all of the bias.
         let last_with_acne = scales.iter().rposition(|(_, trial)| trial.acne() > 0);
         let onset = last_with_acne.and_then(|last| {
@@ -62,10 +65,11 @@ impl Tries {
             let from = Onset { with_acne: LEAST_EXPONENT, without: 0.0 };
             trials.onset(index, from, CONSTANT_HALVINGS, of_exponent, tick).without
         });
-        let constants: Vec<Trial> =
-            tuned.map_or_else(Vec::new, |tuned| OCTAVES.map(|octave| attempt(of_exponent(tuned + f32::from(octave)))).collect());
+        let constants: Vec<Trial> = tuned.map_or_else(Vec::new, |tuned| {
+            OCTAVES.iter().map(|&octave| attempt(of_exponent(tuned + f32::from(octave)))).collect()
+        });
 
-        let report = |name: String, trial: &Trial| BiasReport::new(name, trial, &automatic);
+        let report = |name: String, trial: &Trial| BiasReport::new(name, trial);
         let mut rules: Vec<BiasReport> = scales.last().map(|(_, trial)| report("automatic".into(), trial)).into_iter().collect();
         rules.extend(tuned.map(|exponent| {
             let metres = diagonal * exponent.exp2();
@@ -75,7 +79,11 @@ impl Tries {
         }));
         rules.extend(ENGINES.iter().map(|engine| {
             let trial = attempt(engine.of(light));
-            BiasReport { what: Some(engine.what), ..report(engine.name.into(), &trial) }
+            BiasReport {
+                what: Some(engine.what),
+                casts_back_faces: Some(engine.casts_back_faces),
+                ..report(engine.name.into(), &trial)
+            }
         }));
         let of_amount =
             |name: &str, amount: f32, trial: &Trial| BiasReport { amount: Some(amount), ..report(name.into(), trial) };
