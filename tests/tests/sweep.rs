@@ -10,7 +10,7 @@ use std::{
 
 use shadow_cpu::{CpuRenderer, PreparedScene};
 use shadow_gpu::GpuScene;
-use shadow_math::{Camera, ShadowSettings};
+use shadow_math::{Filter, ShadowSettings};
 use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
 use shadow_tests::{
     lights::one_of_each,
@@ -30,6 +30,7 @@ const REFUSED: &[(&str, &str)] =
 const THREADS: [usize; 3] = [1, 2, 4];
 
 /// The sizes at which scenes are rendered.
+#[derive(Clone, Copy)]
 struct Sizes {
     picture: (u32, u32),
     map: u32,
@@ -96,12 +97,24 @@ impl Sweep {
 
     /// Renders a scene under the lights that it has with everything there is, and compares.
     fn lit_scene(&mut self, case: &str, scene: &Scene, prepared: &PreparedScene<'_>, uploaded: &GpuScene) {
-        match self.compare(case, scene, &scene.cameras()[0].camera, prepared, uploaded) {
-            Ok(layers) => {
-                self.tally.comparisons += 1;
-                self.tally.layers += layers;
+        // The filters take turns, so that each meets scenes of every kind; at full size the default meets all of them, and every other one a small picture of them.
+        let turn = Filter::ALL[self.tally.comparisons % Filter::ALL.len()];
+        let default = (Filter::default(), self.sizes);
+        let others = Filter::ALL.into_iter().filter(|&filter| filter != Filter::default());
+        let chosen: Vec<_> = if is_full() {
+            std::iter::once(default).chain(others.map(|filter| (filter, Sizes::SMALL))).collect()
+        } else {
+            vec![(turn, self.sizes)]
+        };
+        for (filter, sizes) in chosen {
+            let case = format!("{case} {}", filter.name());
+            match self.compare(&case, scene, filter, sizes, prepared, uploaded) {
+                Ok(layers) => {
+                    self.tally.comparisons += 1;
+                    self.tally.layers += layers;
+                }
+                Err(failure) => self.tally.failures.push(failure),
             }
-            Err(failure) => self.tally.failures.push(failure),
         }
     }
 
@@ -110,14 +123,16 @@ impl Sweep {
         &self,
         case: &str,
         scene: &Scene,
-        camera: &Camera,
+        filter: Filter,
+        sizes: Sizes,
         prepared: &PreparedScene<'_>,
         uploaded: &GpuScene,
     ) -> Result<usize, String> {
         let failed = |error: &dyn std::error::Error| format!("{case}: {error}");
-        let settings = ShadowSettings { map_size: self.sizes.map, ..ShadowSettings::default() };
-        let (width, height) = self.sizes.picture;
-        let plan = FramePlan::new(scene, camera, &settings, width, height, None).map_err(|error| failed(&error))?;
+        let settings = ShadowSettings { filter, map_size: sizes.map, ..ShadowSettings::default() };
+        let (width, height) = sizes.picture;
+        let plan =
+            FramePlan::new(scene, &scene.cameras()[0].camera, &settings, width, height, None).map_err(|error| failed(&error))?;
         let on_cpu = |renderer: &CpuRenderer| renderer.render(prepared, &plan, Request::ALL).map_err(|error| failed(&error));
         let cpu = on_cpu(&self.cpus[0])?.frame;
         let mut failures = String::new();

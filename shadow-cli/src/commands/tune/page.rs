@@ -54,20 +54,22 @@ fn plot(light: &LightReport) -> String {
     let x = Axis::decades("median gap and shift together", finite(), decade);
     let y = Axis::decades("pixels of acne", all().map(|bias| place(bias).1), short);
     let mut plot = Plot::new("acne against the gap", x, y);
+    // A bias that reaches back to the light has no place on the axis.
+    let is_on_plot = |bias: &&BiasReport| place(bias).0.is_finite();
     for (class, curve) in [("front", &light.curves.automatic), ("other", &light.curves.constant)] {
-        plot.line(class, curve.iter().map(place));
+        plot.line(class, curve.iter().filter(is_on_plot).map(place));
         let dot = if class == "front" { "dot on-front" } else { "dot" };
-        for bias in curve {
+        for bias in curve.iter().filter(is_on_plot) {
             let amount = f64::from(bias.amount.unwrap_or_default());
             let amount = if class == "front" { format!("{:.1} % of", 100.0 * amount) } else { length(amount) };
             plot.dot(dot, 2.0, place(bias), &format!("{amount} {}: {} pixels of acne", bias.name, bias.acne));
         }
     }
     // The first is the automatic bias: its dot lies on those of others, and its name is nearest to it.
-    for (index, bias) in light.rules.iter().enumerate().rev() {
+    for (index, bias) in light.rules.iter().enumerate().rev().filter(|(_, bias)| is_on_plot(bias)) {
         plot.dot(if index == 0 { "dot on-front" } else { "dot" }, 5.0, place(bias), &bias.name);
     }
-    for bias in &light.rules {
+    for bias in light.rules.iter().filter(is_on_plot) {
         plot.name(place(bias), &bias.name);
     }
     plot.finish()
