@@ -1,10 +1,13 @@
 //! The visibility of one light for a span of pixels.
 
 use shadow_math::{
-    filter::{bilinear_corner, bilinear_mean},
+    filter::{bilinear_corner, bilinear_mean, kernel::MAX_KERNEL, separable_corner},
     fit::cube_face_of,
     glam::Vec2,
-    plan::{FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, LightPlan, PixelRays, SPLIT_SINGLE, ViewPlan, toward_light},
+    plan::{
+        FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LightPlan, PixelRays, SPLIT_SINGLE, ViewPlan,
+        toward_light,
+    },
     visibility::{NO_VIEW, lookup_in_view, visibility},
 };
 
@@ -42,6 +45,18 @@ pub(crate) fn span_visibility(
     match (common_view(light, hits, count), light.filter) {
         (Some(view), FILTER_BILINEAR) => vector_visibility::<true>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_HARD) => vector_visibility::<false>(light, &views[view as usize], maps, hits, out),
+        (Some(view), FILTER_SEPARABLE) => {
+            let view = &views[view as usize];
+            match light.filter_taps {
+                3 => separable_visibility::<3>(light, view, maps, hits, out),
+                4 => separable_visibility::<4>(light, view, maps, hits, out),
+                5 => separable_visibility::<5>(light, view, maps, hits, out),
+                6 => separable_visibility::<6>(light, view, maps, hits, out),
+                7 => separable_visibility::<7>(light, view, maps, hits, out),
+                8 => separable_visibility::<8>(light, view, maps, hits, out),
+                _ => separable_visibility::<9>(light, view, maps, hits, out),
+            }
+        }
         (_, FILTER_FOOTPRINT) => {
             for i in 0..count {
                 out[i] = visibility(light, views, maps, &hits.receiver_with_steps(rays, i));
@@ -69,6 +84,40 @@ fn common_view(light: &LightPlan, hits: &Hits, count: usize) -> Option<u32> {
     is_common.then_some(light.first_view + first)
 }
 
+impl Lookups {
+    /// The lookups of a span in one view; `corner` has the first texel around a place, and the weights of what lies beyond it. `filter` is the light's, of which the compiler is to
+    /// know which it is: what others need is left out.
+    #[inline(always)]
+    fn of(light: &LightPlan, filter: u32, view: &ViewPlan, hits: &Hits, corner: impl Fn(Vec2) -> (i32, i32, Vec2)) -> Self {
+        let light = LightPlan { filter, ..*light };
+        let mut lookups = Self {
+            known: [0.0; SPAN],
+            asks: [0; SPAN],
+            x: [0; SPAN],
+            y: [0; SPAN],
+            fraction: [[0.0; SPAN]; 2],
+            depth: [0.0; SPAN],
+            bias: [0.0; SPAN],
+            stored: [[0.0; SPAN]; 4],
+        };
+        for i in 0..SPAN {
+            let receiver = hits.receiver(i);
+            let faces_light = receiver.normal.dot(toward_light(&light, receiver.point)) > 0.0;
+            let lookup = lookup_in_view(&light, view, 0, &receiver);
+            let (x, y, fraction) = corner(lookup.texel);
+            lookups.known[i] = if faces_light { lookup.known } else { 0.0 };
+            lookups.asks[i] = -i32::from(faces_light & (lookup.view != NO_VIEW));
+            lookups.x[i] = x;
+            lookups.y[i] = y;
+            lookups.fraction[0][i] = fraction.x;
+            lookups.fraction[1][i] = fraction.y;
+            lookups.depth[i] = lookup.depth;
+            lookups.bias[i] = lookup.bias;
+        }
+        lookups
+    }
+}
+
 /// Four tests a pixel with `BILINEAR`, else one.
 #[inline(always)]
 fn vector_visibility<const BILINEAR: bool>(
@@ -78,33 +127,12 @@ fn vector_visibility<const BILINEAR: bool>(
     hits: &Hits,
     out: &mut Numbers,
 ) {
-    // The compiler is to know which filter it is: what others need is left out.
-    let light = LightPlan { filter: if BILINEAR { FILTER_BILINEAR } else { FILTER_HARD }, ..*light };
     let view = *view;
-    let mut lookups = Lookups {
-        known: [0.0; SPAN],
-        asks: [0; SPAN],
-        x: [0; SPAN],
-        y: [0; SPAN],
-        fraction: [[0.0; SPAN]; 2],
-        depth: [0.0; SPAN],
-        bias: [0.0; SPAN],
-        stored: [[0.0; SPAN]; 4],
+    let mut lookups = if BILINEAR {
+        Lookups::of(light, FILTER_BILINEAR, &view, hits, bilinear_corner)
+    } else {
+        Lookups::of(light, FILTER_HARD, &view, hits, hard_texel)
     };
-    for i in 0..SPAN {
-        let receiver = hits.receiver(i);
-        let faces_light = receiver.normal.dot(toward_light(&light, receiver.point)) > 0.0;
-        let lookup = lookup_in_view(&light, &view, 0, &receiver);
-        let (x, y, fraction) = if BILINEAR { bilinear_corner(lookup.texel) } else { hard_texel(lookup.texel) };
-        lookups.known[i] = if faces_light { lookup.known } else { 0.0 };
-        lookups.asks[i] = -i32::from(faces_light & (lookup.view != NO_VIEW));
-        lookups.x[i] = x;
-        lookups.y[i] = y;
-        lookups.fraction[0][i] = fraction.x;
-        lookups.fraction[1][i] = fraction.y;
-        lookups.depth[i] = lookup.depth;
-        lookups.bias[i] = lookup.bias;
-    }
     fetch::<BILINEAR>(&view, maps, &mut lookups);
     for i in 0..SPAN {
         let mut tests = [0.0; 4];
@@ -116,6 +144,74 @@ fn vector_visibility<const BILINEAR: bool>(
         let mean = if BILINEAR { bilinear_mean(tests[0], tests[1], tests[2], tests[3], fraction) } else { tests[0] };
         out[i] = if lookups.asks[i] < 0 { mean } else { lookups.known[i] };
     }
+}
+
+/// A square of tests under a kernel of `TAPS` weights: the columns of a pixel side by side, in the order of [`filtered_test`](shadow_math::filter::filtered_test).
+#[inline(always)]
+fn separable_visibility<const TAPS: usize>(
+    light: &LightPlan,
+    view: &ViewPlan,
+    maps: &ShadowMaps,
+    hits: &Hits,
+    out: &mut Numbers,
+) {
+    let (light, view) = (*light, *view);
+    let lookups = Lookups::of(&light, FILTER_SEPARABLE, &view, hits, |texel| separable_corner(&light, texel));
+    let table = light.filter_table.as_flattened();
+    let mut kernel = [0.0; MAX_KERNEL];
+    kernel[..TAPS].copy_from_slice(&table[..TAPS]);
+    for i in 0..SPAN {
+        if lookups.asks[i] == 0 {
+            out[i] = lookups.known[i];
+            continue;
+        }
+        let tests = |row: usize| row_of_tests::<TAPS>(&view, maps, &lookups, i, row);
+        let mut columns = [0.0; MAX_KERNEL + 1];
+        let mut above = tests(0);
+        for row in 0..TAPS {
+            let below = tests(row + 1);
+            for x in 0..=TAPS {
+                columns[x] += kernel[row] * (above[x] + (below[x] - above[x]) * lookups.fraction[1][i]);
+            }
+            above = below;
+        }
+        let mut sum = 0.0;
+        for x in 0..TAPS {
+            sum += kernel[x] * (columns[x] + (columns[x + 1] - columns[x]) * lookups.fraction[0][i]);
+        }
+        out[i] = sum / (light.filter_total * light.filter_total);
+    }
+}
+
+/// The tests of a row of texels around the lookup of one pixel. Texels outside the view's rectangle are lit.
+#[inline(always)]
+fn row_of_tests<const TAPS: usize>(
+    view: &ViewPlan,
+    maps: &ShadowMaps,
+    lookups: &Lookups,
+    i: usize,
+    row: usize,
+) -> [f32; MAX_KERNEL + 1] {
+    let size = maps.size as usize;
+    let layer: &[f32] = &maps.layers[view.layer as usize];
+    let [left, top, width, height] = view.rect.map(|side| side as i32);
+    let (x0, y) = (lookups.x[i], lookups.y[i] + row as i32);
+    let is_lit = |stored: f32| if lookups.depth[i] <= stored + lookups.bias[i] { 1.0 } else { 0.0 };
+    let mut tests = [1.0; MAX_KERNEL + 1];
+    let is_row_inside = y >= top && y < top + height;
+    if is_row_inside && x0 >= left && x0 + (TAPS as i32) < left + width {
+        let first = y as usize * size + x0 as usize;
+        for (test, &stored) in tests.iter_mut().zip(&layer[first..=first + TAPS]) {
+            *test = is_lit(stored);
+        }
+    } else if is_row_inside {
+        for (test, x) in tests.iter_mut().zip(x0..=x0 + TAPS as i32) {
+            if x >= left && x < left + width {
+                *test = is_lit(layer[y as usize * size + x as usize]);
+            }
+        }
+    }
+    tests
 }
 
 /// The texel that a place lies in, in the form of [`bilinear_corner`].
