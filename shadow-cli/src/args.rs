@@ -17,7 +17,7 @@ use shadow_cpu::trace::Sampling;
 use shadow_math::Filter;
 use shadow_scene::Choice;
 
-pub(crate) use self::filter::FilterName;
+pub(crate) use self::filter::{FilterList, FilterName};
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
     RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
@@ -400,6 +400,13 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
 
+    /// Time filters in place of backends: their names with commas, or all
+    ///
+    /// Each is drawn in turn on each backend, and compared with a hard test: how long visibility and shading take together, and how long each further
+    /// depth test takes of that.
+    #[arg(long, value_name = "LIST", conflicts_with_all = ["filter", "filter_radius"], help_heading = "Shadows")]
+    pub(crate) filters: Option<FilterList>,
+
     /// Frames of each backend that are timed, from 1 to 10000
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) frames: u32,
@@ -411,6 +418,9 @@ pub(crate) struct BenchArgs {
     /// (`shadow_maps`, `camera`, `shading`, `total`), for each of these the `spread` (`min`, `lower_quartile`, `median`, `upper_quartile`, `max`),
     /// `milliseconds_once` (`open`, `prepare`, `first_frame`) and `peak_bytes` (null where the system does not tell). `ratios` says `of` what,
     /// and has the same stages and their `spread`; it is null unless there are two backends. `million_rays_per_second` (`camera`, `shadow`) is null but for trace.
+    ///
+    /// With --filters an object with `scene`, `notes`, `triangles`, `width`, `height`, `map_size`, `frames`, `lookups` (pixels times lights) and `filters`: each has its `filter`, its
+    /// `tests` a lookup (null where they vary) and for each of its `backends` the `backend`, the median `shading_milliseconds`, and `nanoseconds_per_further_test` (null for one test).
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -145,6 +145,9 @@ pub(crate) enum CliError {
     /// The tracer has nothing to measure.
     #[error("the trace backend is the truth that others are measured by; take --backend cpu or gpu")]
     MeasureTrace,
+    /// Rays have no filters.
+    #[error("the trace backend has no shadow maps whose filters could be timed; take --backends cpu, gpu or cpu,gpu")]
+    FiltersOfTrace,
     /// A frame cannot be judged: a defect of the renderer.
     #[error("the frame cannot be judged; this is a defect, please report it")]
     Judge(#[from] JudgeError),

@@ -188,6 +188,19 @@ fn bench_counts_the_rays_of_the_tracer() {
     assert_eq!((&backend["adapter"], backend["threads"].as_u64().is_some()), (&Value::Null, true));
 }
 
+#[test]
+fn bench_times_filters() {
+    let folder = Folder::new("bench-filters");
+    let choices = ["bench", "--filters", "box3,vogel", "--size", "64x36", "--map-size", "128", "--frames", "2", "--json"];
+    let report = folder.json(&choices);
+    let filters = report["filters"].as_array().expect("filters are timed");
+    let of = |index: usize| (filters[index]["filter"].as_str().unwrap_or_default(), filters[index]["tests"].as_u64());
+    assert_eq!([of(0), of(1), of(2)], [("hard", Some(1)), ("box3", Some(16)), ("vogel", Some(16))]);
+    for backend in filters.iter().flat_map(|filter| filter["backends"].as_array().into_iter().flatten()) {
+        assert!(backend["shading_milliseconds"].as_f64().is_some_and(|time| time > 0.0), "{backend}");
+    }
+}
+
 /// Techniques side by side, from files: what was planted in each is found, and the page holds all of it.
 #[test]
 fn measure_tells_techniques_apart() {
@@ -370,6 +383,10 @@ fn wrong_requests_are_refused_with_a_sentence() {
         (&["compare", "--backends", "cpu,trace"], &["measure"]),
         (&["measure", "--backend", "trace"], &["truth", "cpu"]),
         (&["render", "--filter", "box3", "--filter-radius", "2"], &["box3", "vogel"]),
+        (&["bench", "--filters", "hard,soft"], &["soft", "witness7"]),
+        (&["bench", "--filters", "hard,hard"], &["hard", "twice"]),
+        (&["bench", "--filters", "all", "--filter", "hard"], &["--filters", "--filter"]),
+        (&["bench", "--filters", "all", "--backends", "trace"], &["cpu", "gpu"]),
         (&["render", "--filter", "gaussian", "--filter-radius", "9"], &["9", "1 to 4"]),
         (&["render", "--filter", "box9", "--map-size", "32"], &["32 texels", "box9", "larger map"]),
         (&["tune", "--backend", "trace"], &["truth", "cpu"]),

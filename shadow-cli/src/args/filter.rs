@@ -7,6 +7,32 @@ use shadow_math::Filter;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FilterName(pub(crate) Filter);
 
+/// Several filters, each once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FilterList(pub(crate) Vec<Filter>);
+
+impl std::str::FromStr for FilterList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "all" {
+            return Ok(Self(Filter::ALL.to_vec()));
+        }
+        let mut filters = Vec::new();
+        for name in text.split(',') {
+            let Some(filter) = Filter::ALL.into_iter().find(|filter| filter.name() == name) else {
+                let names = Filter::ALL.map(Filter::name).join(", ");
+                return Err(format!("`{name}` is not a filter; write `all`, or some of {names}, with commas and without spaces"));
+            };
+            if filters.contains(&filter) {
+                return Err(format!("`{name}` is named twice; name each filter once"));
+            }
+            filters.push(filter);
+        }
+        Ok(Self(filters))
+    }
+}
+
 /// All of them.
 const VARIANTS: [FilterName; Filter::ALL.len()] = {
     let mut variants = [FilterName(Filter::Hard); Filter::ALL.len()];

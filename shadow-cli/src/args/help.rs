@@ -75,6 +75,7 @@ Examples:
   shadow bench house.glb --size 1920x1080 --frames 50
   shadow bench house.glb --backends cpu --threads 1
   shadow bench house.glb --backends trace
+  shadow bench house.glb --filters bilinear,box5,witness7 --backends cpu
   shadow bench house.glb --json | jq .ratios.total";
 
 /// Examples for `shadow info`.

@@ -1,5 +1,7 @@
 //! `shadow bench`: how long the backends take for the same frame.
 
+mod filters;
+
 use serde::Serialize;
 use shadow_cpu::RasterRules;
 use shadow_scene::StageTimes;
@@ -150,6 +152,9 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
     let backends = args.backends.0.as_slice();
     check_machine(&args.machine, backends, &console)?;
+    if let Some(list) = &args.filters {
+        return filters::run(args, &list.0, &console);
+    }
     let job = Job::resolve(&args.picture, &args.bias, &console)?;
     memory::check(&job, Work::Bench(backends))?;
 
