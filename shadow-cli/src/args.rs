@@ -22,6 +22,7 @@ use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
     RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
+use crate::bias::{BiasNames, BiasNumbers, gradient_numbers};
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
     light_samples, map_size, seconds,
@@ -254,22 +255,49 @@ pub(crate) struct PictureArgs {
 }
 
 /// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
-#[derive(Clone, Copy, Debug, ClapArgs)]
+#[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct BiasArgs {
-    /// How surfaces are kept from shadowing themselves
-    #[arg(long, value_enum, value_name = "BIAS", default_value_t = BiasName::Automatic, help_heading = "Shadows")]
-    pub(crate) bias: BiasName,
-
-    /// Metres added to the bias along the light's view axis [default: 0.01 with constant, 0 with slope]
+    /// How surfaces are kept from shadowing themselves: automatic, none, or parts joined by plus signs
     ///
-    /// With `--bias none` and `--bias automatic` it has no meaning and is refused.
+    /// automatic is what the receiver's plane needs under the filter, by depth or along its normal: there is nothing to tune. none shows self-shadowing as it is. The parts, which add
+    /// up, are constant (the same length everywhere), slope (what the receiver's plane needs, by depth alone), normal-offset (a step along the normal, in texels times the sine
+    /// of its angle with the light), receiver-plane (each tap is compared with the depth that the receiver's plane has there; not with slope) and receiver-gradient (what
+    /// OGRE 1.12's sample reads off the map).
+    #[arg(long, value_name = "BIAS", default_value_t = BiasNames::default(), help_heading = "Shadows")]
+    pub(crate) bias: BiasNames,
+
+    /// Metres added to the bias along the light's view axis, with constant [default: 0.01] or slope [default: 0]
     #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
     pub(crate) bias_constant: Option<f32>,
+
+    /// A factor on what the receiver's plane needs, with slope [default: 1, which is enough and no more]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) bias_scale: Option<f32>,
+
+    /// Texels along the normal, with normal-offset, from 0 to 8 [default: 1]
+    #[arg(long, value_name = "TEXELS", allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) bias_normal: Option<f32>,
+
+    /// The most metres that a tap is corrected by, with receiver-plane [default: 0.1]
+    #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) bias_limit: Option<f32>,
+
+    /// The share of the stored depth, the clamp on differences and their scale, with receiver-gradient [default: 0.0005,0.0098,0]
+    #[arg(long, value_name = "FIXED,CLAMP,SCALE", value_parser = gradient_numbers, allow_negative_numbers = true, help_heading = "Shadows")]
+    pub(crate) bias_gradient: Option<[f32; 3]>,
 }
 
 impl BiasArgs {
-    /// What there is to choose where nothing is chosen.
-    pub(crate) const AUTOMATIC: Self = Self { bias: BiasName::Automatic, bias_constant: None };
+    /// The numbers that were typed.
+    pub(crate) fn numbers(&self) -> BiasNumbers {
+        BiasNumbers {
+            constant: self.bias_constant,
+            scale: self.bias_scale,
+            normal: self.bias_normal,
+            limit: self.bias_limit,
+            gradient: self.bias_gradient,
+        }
+    }
 }
 
 /// What renders: the choices that all commands that render share.
@@ -482,7 +510,7 @@ pub(crate) struct MeasureArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["map_size", "filter", "filter_radius", "bias", "bias_constant"],
+        conflicts_with_all = ["map_size", "filter", "filter_radius", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient"],
         help_heading = "Shadows"
     )]
     pub(crate) settings: Vec<PathBuf>,
@@ -597,19 +625,6 @@ impl Backend {
     }
 }
 
-/// The names of the biases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BiasName {
-    /// What the receiver's plane needs under the filter, by depth or along its normal: nothing to tune
-    Automatic,
-    /// Nothing: shows self-shadowing as it is
-    None,
-    /// The same length everywhere
-    Constant,
-    /// What the receiver's plane needs under the filter, by depth alone
-    Slope,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -633,8 +648,8 @@ mod tests {
         assert_eq!(args.output, PathBuf::from("shadow.png"));
         assert_eq!((args.rendering.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
-            (args.picture.filter, args.bias.bias, args.picture.map_size),
-            (FilterName(Filter::Bilinear), BiasName::Automatic, 2048)
+            (args.picture.filter, args.bias.bias.clone(), args.picture.map_size),
+            (FilterName(Filter::Bilinear), BiasNames::default(), 2048)
         );
     }
 
@@ -672,6 +687,8 @@ mod tests {
             ("shadow render --backend trace --light-samples 60", "49 or 64"),
             ("shadow render --backend trace --light-samples 0", "from 1 to 4096"),
             ("shadow render --filter soft", "bilinear"),
+            ("shadow render --bias automatic+slope", "by itself"),
+            ("shadow render --bias receiver-gradient --bias-gradient 1,2", "commas"),
         ] {
             let error = parse(line).unwrap_err();
             assert_eq!(error.exit_code(), 2, "{line}");

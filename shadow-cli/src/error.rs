@@ -53,10 +53,15 @@ pub(crate) enum CliError {
         source: CameraError,
     },
     /// A length for a bias that is none.
-    #[error(
-        "--bias-constant {0} has no meaning with --bias none or --bias automatic; use --bias constant or --bias slope, or leave it out"
-    )]
-    BiasConstant(f32),
+    #[error("--{key} has no meaning with --bias {bias}; use it with --bias {}, or leave it out", use_with.join(" or --bias "))]
+    BiasNumber {
+        /// The option, without its hyphens.
+        key: &'static str,
+        /// The bias that was chosen.
+        bias: String,
+        /// The biases that it goes with.
+        use_with: &'static [&'static str],
+    },
     /// An adapter for a renderer that has none.
     #[error(
         "--adapter `{0}` chooses a graphics adapter, but the gpu backend is not used; name gpu in --backend or --backends, or leave it out"

@@ -8,6 +8,7 @@
 
 mod args;
 mod specs;
+mod bias;
 mod settings_file;
 mod resolve;
 mod backend;

@@ -1,17 +1,17 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_cpu::trace::Sampling;
-use shadow_math::{Bias, Camera, LightKind, ShadowSettings};
+use shadow_math::{Camera, LightKind, ShadowSettings};
 use shadow_scene::{
     FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
 };
 
 use crate::{
-    args::{BiasArgs, BiasName, FilterName, PictureArgs, SceneArgs},
+    args::{BiasArgs, FilterName, PictureArgs, SceneArgs},
+    bias::Meaningless,
     console::Console,
     error::CliError,
     memory::Limit,
-    settings_file::DEFAULT_CONSTANT_METRES,
     specs::{CameraChoice, SceneSource, Selector, Show},
 };
 
@@ -117,13 +117,11 @@ pub(crate) fn kind_name(kind: &LightKind) -> &'static str {
 
 /// How lights are shadowed.
 fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliError> {
-    let bias = match (bias.bias, bias.bias_constant) {
-        (BiasName::None, None) => Bias::None,
-        (BiasName::Automatic, None) => Bias::Automatic,
-        (BiasName::None | BiasName::Automatic, Some(metres)) => return Err(CliError::BiasConstant(metres)),
-        (BiasName::Constant, metres) => Bias::Constant { metres: metres.unwrap_or(DEFAULT_CONSTANT_METRES) },
-        (BiasName::Slope, metres) => Bias::Slope { scale: 1.0, metres: metres.unwrap_or(0.0) },
-    };
+    let bias = bias.bias.with(&bias.numbers()).map_err(|Meaningless { key, use_with }| CliError::BiasNumber {
+        key,
+        bias: bias.bias.to_string(),
+        use_with,
+    })?;
     let FilterName(filter) = args.filter;
     Ok(ShadowSettings { bias, filter, filter_radius: args.filter_radius, map_size: args.map_size, ..ShadowSettings::default() })
 }
@@ -204,6 +202,7 @@ fn camera(scene: &Scene, choice: Option<&CameraChoice>) -> Result<(String, Camer
 mod tests {
     use clap::Parser;
     use glam::Vec3;
+    use shadow_math::{Bias, settings::BiasParts};
 
     use super::*;
     use crate::args::{Args, Command};
@@ -224,10 +223,10 @@ mod tests {
     fn the_bias_takes_its_default_length_from_its_kind() {
         let bias = |options: &str| job(options).unwrap().settings.bias;
         assert_eq!(bias(""), Bias::Automatic);
-        assert_eq!(bias("--bias slope"), Bias::Slope { scale: 1.0, metres: 0.0 });
-        assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::Slope { scale: 1.0, metres: 0.5 });
-        assert_eq!(bias("--bias constant"), Bias::Constant { metres: 0.01 });
-        assert_eq!(bias("--bias none"), Bias::None);
+        assert_eq!(bias("--bias slope"), Bias::Parts(BiasParts { slope: Some(1.0), ..BiasParts::NONE }));
+        assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::slope(1.0, 0.5));
+        assert_eq!(bias("--bias constant"), Bias::constant(0.01));
+        assert_eq!(bias("--bias none"), Bias::NONE);
         assert!(message("--bias none --bias-constant 0").contains("--bias slope"));
         assert!(message("--bias-constant 0.01").contains("--bias slope"));
         assert!(message("--bias slope --bias-constant -1").contains("-1 m"));

@@ -7,15 +7,15 @@ use std::{fs, ops::Range, path::Path};
 
 use serde::{Deserialize, Serialize};
 use shadow_math::{
-    Bias, Filter, Fit, ShadowSettings, Split, Store,
-    settings::{FilterRadii, MAX_MAP_SIZE, MIN_MAP_SIZE},
+    Filter, Fit, ShadowSettings, Split, Store,
+    settings::{FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
 };
 use toml::Spanned;
 
-use crate::error::CliError;
-
-/// The constant bias in metres if none is given: a centimetre.
-pub(crate) const DEFAULT_CONSTANT_METRES: f32 = 0.01;
+use crate::{
+    bias::{BiasNames, BiasNumbers, Meaningless, summary},
+    error::CliError,
+};
 
 /// The default settings with comments, as `shadow settings` prints them.
 pub(crate) const DEFAULT_TEXT: &str = r#"# How lights are shadowed. Every key may be left out; these are the defaults.
@@ -41,10 +41,14 @@ filter = "bilinear"
 # filter-radius = 2.5
 
 # How surfaces are kept from shadowing themselves:
-#   "automatic"  what the receiver's plane needs under the filter, by depth or along its normal: nothing to tune
-#   "slope"      the same by depth alone, times bias-scale, plus bias-constant
-#   "constant"   bias-constant everywhere
-#   "none"       not at all
+#   "automatic"          what the receiver's plane needs under the filter, by depth or along its normal: nothing to tune
+#   "none"               not at all
+# or some of these parts, joined by plus signs, which add up:
+#   "constant"           bias-constant everywhere
+#   "slope"              what the plane needs by depth alone, times bias-scale, plus bias-constant
+#   "normal-offset"      a step of bias-normal along the normal
+#   "receiver-plane"     each tap is compared with the plane's depth there, corrected by at most bias-limit; not with "slope"
+#   "receiver-gradient"  what OGRE 1.12's sample reads off the map
 bias = "automatic"
 
 # Metres along the light's view axis, with "constant" (0.01 if left out) or "slope" (0 if left out).
@@ -52,6 +56,15 @@ bias = "automatic"
 
 # A factor on what the plane needs, with "slope": 1 is enough and no more.
 # bias-scale = 1.0
+
+# Texels times the sine of the angle between normal and light, with "normal-offset", from 0 to 8.
+# bias-normal = 1.0
+
+# Metres, with "receiver-plane".
+# bias-limit = 0.1
+
+# The share of the stored depth, the clamp on differences and their scale, with "receiver-gradient".
+# bias-gradient = [0.0005, 0.0098, 0.0]
 
 # Width and height of each map in texels, from 16 to 16384.
 map-size = 2048
@@ -66,16 +79,6 @@ pub(crate) struct NamedSettings {
     pub(crate) settings: ShadowSettings,
 }
 
-/// The names of the biases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum BiasName {
-    Automatic,
-    Slope,
-    Constant,
-    None,
-}
-
 /// A settings file as it is written.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
@@ -86,9 +89,12 @@ struct File {
     store: Store,
     filter: Filter,
     filter_radius: Option<Spanned<f32>>,
-    bias: Option<Spanned<BiasName>>,
+    bias: Option<Spanned<String>>,
     bias_constant: Option<Spanned<f32>>,
     bias_scale: Option<Spanned<f32>>,
+    bias_normal: Option<Spanned<f32>>,
+    bias_limit: Option<Spanned<f32>>,
+    bias_gradient: Option<Spanned<[f32; 3]>>,
     map_size: Option<Spanned<u32>>,
 }
 
@@ -119,40 +125,51 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
         SettingsError { line, problem }
     };
     let file: File = toml::from_str(text).map_err(|error| at(error.span(), error.message().trim().replace('\n', ", ")))?;
-    let bias_name = file.bias.as_ref().map_or(BiasName::Automatic, |bias| *bias.get_ref());
-    let length = |default: f32| match &file.bias_constant {
-        None => Ok(default),
-        Some(metres) if metres.get_ref().is_finite() && *metres.get_ref() >= 0.0 => Ok(*metres.get_ref()),
-        Some(metres) => Err(at(
-            Some(metres.span()),
-            format!("bias-constant = {} makes no sense; it is a length in metres, finite and at least 0", metres.get_ref()),
-        )),
+    let names = match &file.bias {
+        None => BiasNames::default(),
+        Some(bias) => bias.get_ref().parse().map_err(|problem| at(Some(bias.span()), problem))?,
     };
-    let meaningless = |key: &str, span: Range<usize>, with: &str, use_with: &str| {
-        at(Some(span), format!("{key} has no meaning with bias = \"{with}\"; use it with {use_with}, or leave it out"))
-    };
-    if let (Some(metres), BiasName::Automatic | BiasName::None) = (&file.bias_constant, bias_name) {
-        return Err(meaningless("bias-constant", metres.span(), name_of(bias_name), "\"constant\" or \"slope\""));
-    }
-    if let (Some(scale), BiasName::Automatic | BiasName::None | BiasName::Constant) = (&file.bias_scale, bias_name) {
-        return Err(meaningless("bias-scale", scale.span(), name_of(bias_name), "\"slope\""));
-    }
-    let bias = match bias_name {
-        BiasName::Automatic => Bias::Automatic,
-        BiasName::None => Bias::None,
-        BiasName::Constant => Bias::Constant { metres: length(DEFAULT_CONSTANT_METRES)? },
-        BiasName::Slope => {
-            let scale = match &file.bias_scale {
-                None => 1.0,
-                Some(scale) if scale.get_ref().is_finite() && *scale.get_ref() >= 0.0 => *scale.get_ref(),
-                Some(scale) => {
-                    let problem = format!("bias-scale = {} makes no sense; it is finite and at least 0", scale.get_ref());
-                    return Err(at(Some(scale.span()), problem));
-                }
-            };
-            Bias::Slope { scale, metres: length(0.0)? }
+    let number = |key: &str, number: &Option<Spanned<f32>>, is_sound: fn(f32) -> bool, what: &str| match number {
+        Some(number) if !is_sound(*number.get_ref()) => {
+            Err(at(Some(number.span()), format!("{key} = {} makes no sense; it is {what}", number.get_ref())))
         }
+        number => Ok(number.as_ref().map(|number| *number.get_ref())),
     };
+    let is_length = |metres: f32| metres.is_finite() && metres >= 0.0;
+    let gradient = file.bias_gradient.as_ref();
+    if let Some(gradient) = gradient.filter(|gradient| !gradient.get_ref().iter().all(|&number| is_length(number))) {
+        return Err(at(Some(gradient.span()), "bias-gradient makes no sense; its numbers are finite and at least 0".into()));
+    }
+    let numbers = BiasNumbers {
+        constant: number("bias-constant", &file.bias_constant, is_length, "a length in metres, finite and at least 0")?,
+        scale: number("bias-scale", &file.bias_scale, is_length, "finite and at least 0")?,
+        normal: number(
+            "bias-normal",
+            &file.bias_normal,
+            |texels| (0.0..=MAX_NORMAL_TEXELS).contains(&texels),
+            "a number of texels from 0 to 8",
+        )?,
+        limit: number(
+            "bias-limit",
+            &file.bias_limit,
+            |metres| metres.is_finite() && metres > 0.0,
+            "a length in metres, finite and above 0",
+        )?,
+        gradient: gradient.map(|gradient| *gradient.get_ref()),
+    };
+    let bias = names.with(&numbers).map_err(|Meaningless { key, use_with }| {
+        let spans = [
+            ("bias-constant", file.bias_constant.as_ref().map(Spanned::span)),
+            ("bias-scale", file.bias_scale.as_ref().map(Spanned::span)),
+            ("bias-normal", file.bias_normal.as_ref().map(Spanned::span)),
+            ("bias-limit", file.bias_limit.as_ref().map(Spanned::span)),
+            ("bias-gradient", gradient.map(Spanned::span)),
+        ];
+        let span = spans.into_iter().find(|(name, _)| *name == key).and_then(|(_, span)| span);
+        let use_with: Vec<_> = use_with.iter().map(|name| format!("\"{name}\"")).collect();
+        let use_with = use_with.join(" or ");
+        at(span, format!("{key} has no meaning with bias = \"{names}\"; use it with {use_with}, or leave it out"))
+    })?;
     let map_size = match &file.map_size {
         None => ShadowSettings::default().map_size,
         Some(size) if (MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(size.get_ref()) => *size.get_ref(),
@@ -182,15 +199,6 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
     Ok((name, ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size }))
 }
 
-fn name_of(bias: BiasName) -> &'static str {
-    match bias {
-        BiasName::Automatic => "automatic",
-        BiasName::Slope => "slope",
-        BiasName::Constant => "constant",
-        BiasName::None => "none",
-    }
-}
-
 /// Settings as a settings file would have them, for reports.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -202,26 +210,44 @@ pub(crate) struct SettingsReport {
     filter: Filter,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_radius: Option<f32>,
-    bias: BiasName,
+    bias: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     bias_constant: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bias_scale: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bias_normal: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bias_limit: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bias_gradient: Option<[f32; 3]>,
     map_size: u32,
+    /// The bias in a line.
+    #[serde(skip)]
+    bias_summary: String,
 }
 
 impl From<&NamedSettings> for SettingsReport {
     fn from(named: &NamedSettings) -> Self {
         let ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size } = named.settings;
         let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
-        let (bias, bias_constant, bias_scale) = match bias {
-            Bias::Constant { metres } => (BiasName::Constant, Some(metres), None),
-            Bias::Slope { scale, metres } => (BiasName::Slope, Some(metres), Some(scale)),
-            Bias::None => (BiasName::None, None, None),
-            // The only one that is left; those to come have names of their own.
-            _ => (BiasName::Automatic, None, None),
-        };
-        Self { name: named.name.clone(), fit, split, store, filter, filter_radius, bias, bias_constant, bias_scale, map_size }
+        let (names, BiasNumbers { constant, scale, normal, limit, gradient }) = BiasNames::of(bias);
+        Self {
+            name: named.name.clone(),
+            fit,
+            split,
+            store,
+            filter,
+            filter_radius,
+            bias: names.to_string(),
+            bias_constant: constant,
+            bias_scale: scale,
+            bias_normal: normal,
+            bias_limit: limit,
+            bias_gradient: gradient,
+            map_size,
+            bias_summary: summary(bias),
+        }
     }
 }
 
@@ -233,15 +259,15 @@ impl SettingsReport {
 
     /// What differs from the defaults least often: map size, filter and bias, for a line of a table.
     pub(crate) fn summary(&self) -> String {
-        let length = self.bias_constant.filter(|&metres| metres > 0.0).map_or_else(String::new, |metres| format!(" {metres} m"));
-        let scale = self.bias_scale.filter(|&scale| scale != 1.0).map_or_else(String::new, |scale| format!(" x {scale}"));
         let radius = self.filter_radius.map_or_else(String::new, |radius| format!(" {radius}"));
-        format!("{} texels, {}{radius}, {}{scale}{length}", self.map_size, self.filter.name(), name_of(self.bias))
+        format!("{} texels, {}{radius}, {}", self.map_size, self.filter.name(), self.bias_summary)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use shadow_math::{Bias, settings::BiasParts};
+
     use super::*;
 
     fn settings(text: &str) -> ShadowSettings {
@@ -258,21 +284,26 @@ mod tests {
         assert_eq!(settings(""), ShadowSettings::default());
         // What is commented out can be taken in.
         let taken_in = DEFAULT_TEXT
-            .replace("bias = \"automatic\"", "bias = \"slope\"")
+            .replace("bias = \"automatic\"", "bias = \"slope+normal-offset+receiver-gradient\"")
+            .replace("# bias-limit = 0.1", "")
             .replace("# bias-", "bias-")
             .replace("filter = \"bilinear\"", "filter = \"vogel\"")
             .replace("# filter-", "filter-")
             .replace("# name", "name");
         let (name, settings) = parse(&taken_in).expect("the comments are settings too");
-        assert_eq!((name.as_deref(), settings.bias), (Some("default"), Bias::Slope { scale: 1.0, metres: 0.01 }));
+        let receiver_gradient = Some(shadow_math::settings::ReceiverGradient::default());
+        let (slope, constant, normal_offset) = (Some(1.0), Some(0.01), Some(1.0));
+        let parts = BiasParts { slope, constant, normal_offset, receiver_gradient, ..BiasParts::NONE };
+        assert_eq!((name.as_deref(), settings.bias), (Some("default"), Bias::Parts(parts)));
     }
 
     #[test]
     fn every_choice_can_be_made() {
         assert_eq!(settings("filter = \"hard\"\nmap-size = 512").filter, Filter::Hard);
-        assert_eq!(settings("bias = \"constant\"").bias, Bias::Constant { metres: 0.01 });
-        assert_eq!(settings("bias = \"constant\"\nbias-constant = 0").bias, Bias::Constant { metres: 0.0 });
-        assert_eq!(settings("bias-scale = 0.5\nbias = \"slope\"").bias, Bias::Slope { scale: 0.5, metres: 0.0 });
+        assert_eq!(settings("bias = \"constant\"").bias, Bias::constant(0.01));
+        assert_eq!(settings("bias = \"constant\"\nbias-constant = 0").bias, Bias::constant(0.0));
+        let half = BiasParts { slope: Some(0.5), ..BiasParts::NONE };
+        assert_eq!(settings("bias-scale = 0.5\nbias = \"slope\"").bias, Bias::Parts(half));
         assert_eq!(settings("split = \"cube\"").split, Split::Cube);
     }
 
@@ -283,6 +314,11 @@ mod tests {
             ("\n\nfilter = \"soft\"", 3, ["soft", "bilinear"]),
             ("filter = \"box3\"\nfilter-radius = 2", 2, ["box3", "\"vogel\""]),
             ("filter = \"gaussian\"\n\nfilter-radius = 5", 3, ["5 is out", "1 to 4"]),
+            ("bias = \"flat\"", 1, ["flat", "receiver-plane"]),
+            ("\nbias = \"slope+receiver-plane\"", 2, ["slope", "leave one"]),
+            ("bias = \"normal-offset\"\nbias-normal = 9", 2, ["9", "from 0 to 8"]),
+            ("bias = \"receiver-plane\"\nbias-limit = 0", 2, ["0", "above 0"]),
+            ("bias = \"receiver-gradient\"\nbias-gradient = [1, 2, -3]", 2, ["bias-gradient", "at least 0"]),
             ("map-size = 8", 1, ["map-size = 8", "16 to 16384"]),
             ("map-size = \"large\"", 1, ["large", "u32"]),
             ("bias = \"constant\"\nbias-constant = -1", 2, ["-1", "at least 0"]),

@@ -25,7 +25,7 @@
 //!     Ok::<_, Box<dyn std::error::Error>>(judge.judge(&plan, &frame)?.total().count(Cause::Acne))
 //! };
 //! assert_eq!(acne(Bias::default())?, 0);
-//! assert!(acne(Bias::None)? > 100);
+//! assert!(acne(Bias::NONE)? > 100);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

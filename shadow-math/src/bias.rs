@@ -22,7 +22,11 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 use crate::{
     filter,
-    plan::{BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, LightPlan, SNAP_TEXELS, ViewPlan, toward_light},
+    plan::{
+        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_PLANE, BIAS_SLOPE, LightPlan, SNAP_TEXELS, ViewPlan,
+        toward_light,
+    },
+    vector::normalized,
 };
 
 /// The most bias that has a meaning: the whole depth range. With it everything is lit.
@@ -127,8 +131,12 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
     let gradient = depth_gradient(view, point, normal);
     // A constant factor comes before the variable ones: shader compilers move it there.
     let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
-    let texels = filter::support(light, gradient, footprint) * light.slope_scale
-        + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
+    // Taps that are compared with the receiver's plane need nothing for where they lie.
+    let mut reach = 0.0;
+    if light.bias & BIAS_RECEIVER_PLANE == 0 {
+        reach = filter::support(light, gradient, footprint) * light.slope_scale;
+    }
+    let texels = reach + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
     slope * texels + (view.rounding_depth[0] + view.rounding_depth[1] / w)
 }
 
@@ -138,11 +146,11 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
 #[inline(always)]
 #[must_use]
 pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32) -> f32 {
-    if light.bias == BIAS_NONE {
-        return 0.0;
+    let mut bias = 0.0;
+    if light.bias & BIAS_CONSTANT != 0 {
+        bias = metres_to_depth(view, w, light.bias_metres);
     }
-    let mut bias = metres_to_depth(view, w, light.bias_metres);
-    if light.bias != BIAS_CONSTANT {
+    if light.bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE) != 0 {
         bias += needed;
     }
     bias.min(MAX_DEPTH_BIAS)
@@ -177,6 +185,36 @@ pub fn normal_offset(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Ve
         return needed_at_height * w / rest;
     }
     0.0
+}
+
+/// How far a normal offset moves a lookup along the unit normal `normal`, in metres: so many texels, as wide as they are where the receiver is, times the sine of the angle between normal and
+/// light; 0 without that part of the bias.
+///
+/// `point` is in metres relative to the scene's origin, `w` its clip w, above 0. Source: Holbert, "Saying Goodbye to Shadow Acne" (GDC 2011); Filament takes half a texel.
+#[inline(always)]
+#[must_use]
+pub fn normal_step(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, w: f32) -> f32 {
+    if light.bias & BIAS_NORMAL_OFFSET == 0 {
+        return 0.0;
+    }
+    let cosine = normal.dot(normalized(toward_light(light, point)));
+    let sine = square_root((1.0 - cosine * cosine).max(0.0));
+    let texel = view.texel_metres[0].max(view.texel_metres[1]) * w;
+    light.normal_texels * texel * sine
+}
+
+#[inline(always)]
+fn square_root(x: f32) -> f32 {
+    #[cfg(not(feature = "std"))]
+    use crate::float::FloatFuncs;
+    x.sqrt()
+}
+
+/// The most that a receiver plane corrects a tap by, in depth: as much as its length in metres takes up before the receiver.
+#[inline(always)]
+#[must_use]
+pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32) -> f32 {
+    metres_to_depth(view, w, light.plane_metres)
 }
 
 /// The depth that the last `metres` before a receiver take up; [`MAX_DEPTH_BIAS`] where they reach back to the light.

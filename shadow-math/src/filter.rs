@@ -24,7 +24,7 @@ pub mod turn;
 use glam::Vec2;
 
 use crate::{
-    plan::{FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_HARD, FILTER_SEPARABLE, LightPlan, ViewPlan},
+    plan::{BIAS_RECEIVER_PLANE, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_HARD, FILTER_SEPARABLE, LightPlan, ViewPlan},
     settings::Bias,
     visibility::{Lookup, MapAccess},
 };
@@ -35,6 +35,9 @@ pub const MAX_FOOTPRINT_TESTS: u32 = 16;
 pub const FOOTPRINT_TESTS_PER_TEXEL: f32 = 2.0;
 /// The texels that stay free around a map for a footprint, which has no largest size.
 const FOOTPRINT_GUARD: u32 = 8;
+
+/// By how many texels a step of one texel along the normal can move a lookup: in the map of the widest spot light.
+const MOST_OF_A_STEP: f32 = 2.5;
 
 /// Texels that stay free on every side of a fit: the reach of the filter from a receiver at the rim, what the bias moves a lookup by, and one for
 /// rounding.
@@ -52,7 +55,7 @@ pub fn guard_texels(light: &LightPlan, bias: Bias) -> u32 {
     };
     let moved = match bias {
         Bias::Automatic => 3 * reach,
-        Bias::None | Bias::Constant { .. } | Bias::Slope { .. } => 0,
+        Bias::Parts(_) => up(MOST_OF_A_STEP * light.normal_texels),
     };
     reach + moved + 1
 }
@@ -109,16 +112,16 @@ pub fn depth_test(maps: &impl MapAccess, view: &ViewPlan, x: i32, y: i32, depth:
 #[inline(always)]
 #[must_use]
 pub fn filtered_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, lookup: &Lookup) -> f32 {
-    let Lookup { texel, depth, bias, .. } = *lookup;
+    let texel = lookup.texel;
     if light.filter == FILTER_HARD {
-        return test_at(maps, view, texel, depth, bias);
+        return test_at(maps, view, light, lookup, texel);
     }
     if light.filter == FILTER_BILINEAR {
         let (x0, y0, fraction) = bilinear_corner(texel);
-        let t00 = depth_test(maps, view, x0, y0, depth, bias);
-        let t10 = depth_test(maps, view, x0 + 1, y0, depth, bias);
-        let t01 = depth_test(maps, view, x0, y0 + 1, depth, bias);
-        let t11 = depth_test(maps, view, x0 + 1, y0 + 1, depth, bias);
+        let t00 = tap_test(maps, view, light, lookup, x0, y0);
+        let t10 = tap_test(maps, view, light, lookup, x0 + 1, y0);
+        let t01 = tap_test(maps, view, light, lookup, x0, y0 + 1);
+        let t11 = tap_test(maps, view, light, lookup, x0 + 1, y0 + 1);
         return bilinear_mean(t00, t10, t01, t11, fraction);
     }
     if light.filter == FILTER_SEPARABLE {
@@ -127,14 +130,14 @@ pub fn filtered_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, 
     if light.filter == FILTER_CROSS {
         let x = floor(texel.x) as i32;
         let y = floor(texel.y) as i32;
-        let beside = depth_test(maps, view, x - 1, y, depth, bias) + depth_test(maps, view, x + 1, y, depth, bias);
-        let above = depth_test(maps, view, x, y - 1, depth, bias) + depth_test(maps, view, x, y + 1, depth, bias);
-        return (depth_test(maps, view, x, y, depth, bias) + beside + above) / 5.0;
+        let beside = tap_test(maps, view, light, lookup, x - 1, y) + tap_test(maps, view, light, lookup, x + 1, y);
+        let above = tap_test(maps, view, light, lookup, x, y - 1) + tap_test(maps, view, light, lookup, x, y + 1);
+        return (tap_test(maps, view, light, lookup, x, y) + beside + above) / 5.0;
     }
     if light.filter == FILTER_DISC {
         let mut lit = 0.0;
         for tap in 0..light.filter_taps {
-            lit += test_at(maps, view, disc_place(light, lookup, tap), depth, bias);
+            lit += test_at(maps, view, light, lookup, disc_place(light, lookup, tap));
         }
         return lit / light.filter_taps as f32;
     }
@@ -142,31 +145,74 @@ pub fn filtered_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, 
     let mut lit = 0.0;
     for row in 0..counts[1] {
         for column in 0..counts[0] {
-            lit += test_at(maps, view, footprint_place(lookup, [column, row], counts), depth, bias);
+            lit += test_at(maps, view, light, lookup, footprint_place(lookup, [column, row], counts));
         }
     }
     lit / (counts[0] * counts[1]) as f32
 }
 
+/// One test of a lookup: of a texel, with the depth that the receiver's plane has at its centre where that is asked for.
+#[inline(always)]
+fn tap_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, lookup: &Lookup, x: i32, y: i32) -> f32 {
+    depth_test(maps, view, x, y, tap_depth(light, lookup, x, y), lookup.bias)
+}
+
+/// The depth that a tap is compared with: the receiver's, or that of its plane at the texel's centre, which is no farther from it than the lookup's limit. Beyond the far plane lies
+/// nothing that could be compared.
+#[inline(always)]
+#[must_use]
+pub fn tap_depth(light: &LightPlan, lookup: &Lookup, x: i32, y: i32) -> f32 {
+    if light.bias & BIAS_RECEIVER_PLANE == 0 {
+        return lookup.depth;
+    }
+    let along_x = lookup.slope.x * (x as f32 + 0.5 - lookup.texel.x);
+    let along_y = lookup.slope.y * (y as f32 + 0.5 - lookup.texel.y);
+    let correction = (along_x + along_y).max(-lookup.slope_limit).min(lookup.slope_limit);
+    (lookup.depth + correction).min(1.0)
+}
+
+/// The bias that OGRE 1.12's receiver reads off the map around a lookup: see [`ReceiverGradient`](crate::settings::ReceiverGradient). Texels outside the view's rectangle hold nothing: 1.
+#[inline(always)]
+#[must_use]
+pub fn stored_gradient(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, texel: Vec2) -> f32 {
+    let x = floor(texel.x) as i32;
+    let y = floor(texel.y) as i32;
+    let across = (stored(maps, view, x + 1, y) - stored(maps, view, x - 1, y)).abs();
+    let down = (stored(maps, view, x, y + 1) - stored(maps, view, x, y - 1)).abs();
+    let difference = across.max(down).min(light.gradient_clamp);
+    difference * light.gradient_scale + stored(maps, view, x, y) * light.gradient_fixed
+}
+
+/// What a texel holds; 1 outside the view's rectangle.
+#[inline(always)]
+fn stored(maps: &impl MapAccess, view: &ViewPlan, x: i32, y: i32) -> f32 {
+    let left = view.rect[0] as i32;
+    let top = view.rect[1] as i32;
+    if x < left || y < top || x >= left + view.rect[2] as i32 || y >= top + view.rect[3] as i32 {
+        return 1.0;
+    }
+    maps.fetch_texel(view.layer, x as u32, y as u32)
+}
+
 /// One test, of the texel that a place falls into.
 #[inline(always)]
-fn test_at(maps: &impl MapAccess, view: &ViewPlan, place: Vec2, depth: f32, bias: f32) -> f32 {
-    depth_test(maps, view, floor(place.x) as i32, floor(place.y) as i32, depth, bias)
+fn test_at(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, lookup: &Lookup, place: Vec2) -> f32 {
+    tap_test(maps, view, light, lookup, floor(place.x) as i32, floor(place.y) as i32)
 }
 
 /// A square of tests under a kernel: column by column, from the top, and then along the columns.
 #[inline(always)]
 fn separable_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, lookup: &Lookup) -> f32 {
-    let Lookup { texel, depth, bias, .. } = *lookup;
+    let texel = lookup.texel;
     let (x0, y0, fraction) = separable_corner(light, texel);
     let taps = light.filter_taps as i32;
     let mut sum = 0.0;
     let mut column_before = 0.0;
     for x in 0..=taps {
         let mut column = 0.0;
-        let mut above = depth_test(maps, view, x0 + x, y0, depth, bias);
+        let mut above = tap_test(maps, view, light, lookup, x0 + x, y0);
         for y in 0..taps {
-            let below = depth_test(maps, view, x0 + x, y0 + y + 1, depth, bias);
+            let below = tap_test(maps, view, light, lookup, x0 + x, y0 + y + 1);
             column += kernel_weight(light, y) * (above + (below - above) * fraction.y);
             above = below;
         }

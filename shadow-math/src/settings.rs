@@ -40,6 +40,8 @@ pub enum Store {
 }
 
 /// How is self-shadowing avoided?
+///
+/// [`bias`](crate::bias) says what each does, and where it comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
@@ -48,21 +50,72 @@ pub enum Bias {
     /// to tune ([`bias`](crate::bias) has the derivation).
     #[default]
     Automatic,
-    /// Not at all.
-    None,
-    /// By the same length everywhere.
-    Constant {
-        /// The length in metres along the view axis of the light, at least 0.
-        metres: f32,
-    },
-    /// By what the receiver's plane needs under the filter, and no more (Chong 2006, section 1.2, made exact).
-    Slope {
-        /// A factor on the need: 1 is enough and no more, less leaves acne, more opens gaps.
-        scale: f32,
-        /// A length in metres along the view axis of the light on top of it, at least 0.
-        metres: f32,
-    },
+    /// By parts that are chosen and add up; without any, not at all.
+    Parts(BiasParts),
 }
+
+impl Bias {
+    /// Not at all: surfaces shadow themselves.
+    pub const NONE: Self = Self::Parts(BiasParts::NONE);
+
+    /// By the same length everywhere, in metres along the view axis of the light, at least 0.
+    #[must_use]
+    pub const fn constant(metres: f32) -> Self {
+        Self::Parts(BiasParts { constant: Some(metres), ..BiasParts::NONE })
+    }
+
+    /// By a factor on what the receiver's plane needs under the filter, and a length on top of it: see [`BiasParts::slope`] and [`BiasParts::constant`].
+    #[must_use]
+    pub const fn slope(scale: f32, metres: f32) -> Self {
+        Self::Parts(BiasParts { slope: Some(scale), constant: Some(metres), ..BiasParts::NONE })
+    }
+}
+
+/// Biases that add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, rename_all = "kebab-case"))]
+pub struct BiasParts {
+    /// A length in metres along the view axis of the light, at least 0.
+    pub constant: Option<f32>,
+    /// A factor on what the receiver's plane needs under the filter (Chong 2006, section 1.2, made exact), at least 0: 1 is enough and no more, less leaves acne, more opens
+    /// gaps.
+    pub slope: Option<f32>,
+    /// A step along the normal before the lookup, in texels times the sine of the angle between normal and light; from 0 to [`MAX_NORMAL_TEXELS`].
+    pub normal_offset: Option<f32>,
+    /// Each tap is compared with the depth that the receiver's plane has there. No tap is corrected by more than this length in metres, above 0: near edge-on, a plane's depth
+    /// tells nothing of what lies beside it. Cannot be combined with `slope`, which is for taps that are not corrected.
+    pub receiver_plane: Option<f32>,
+    /// What OGRE 1.12's sample does in its receiver.
+    pub receiver_gradient: Option<ReceiverGradient>,
+}
+
+impl BiasParts {
+    /// No part.
+    pub const NONE: Self =
+        Self { constant: None, slope: None, normal_offset: None, receiver_plane: None, receiver_gradient: None };
+}
+
+/// A bias that is read off the map: `scale * min(clamp, max(|d_right - d_left|, |d_below - d_above|)) + fixed * d` of the depths d in and around the lookup's texel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, rename_all = "kebab-case"))]
+pub struct ReceiverGradient {
+    /// A share of the texel's own depth; at least 0.
+    pub fixed: f32,
+    /// The most that differences count, in depth; at least 0.
+    pub clamp: f32,
+    /// A factor on differences; at least 0.
+    pub scale: f32,
+}
+
+impl Default for ReceiverGradient {
+    /// The sample's own numbers, whose scale of 0 leaves the differences out.
+    fn default() -> Self {
+        Self { fixed: 0.0005, clamp: 0.0098, scale: 0.0 }
+    }
+}
+
+/// The longest step along the normal, in texels.
+pub const MAX_NORMAL_TEXELS: f32 = 8.0;
 
 /// How are depth tests averaged?
 ///

@@ -5,10 +5,12 @@
 use glam::{Vec2, Vec3};
 
 use crate::{
-    bias::{depth_bias, needed_depth, normal_offset},
-    filter::{filtered_test, turn::turn_of_pixel},
+    bias::{depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
+    filter::{filtered_test, stored_gradient, turn::turn_of_pixel},
     fit::cube_face_of,
-    plan::{FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    plan::{
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light,
+    },
     vector::{normalized, row_times_point, row_times_vector},
 };
 
@@ -60,6 +62,10 @@ pub struct Lookup {
     pub turn: Vec2,
     /// The sides of the pixel's image in the map, in texels; zero with other filters than the footprint.
     pub footprint: [Vec2; 2],
+    /// How depth changes from texel to texel on the receiver's plane, for taps that are compared with that; zero without a receiver plane.
+    pub slope: Vec2,
+    /// The most that a tap's depth is corrected by.
+    pub slope_limit: f32,
 }
 
 /// A lookup whose answer is known without a map.
@@ -73,6 +79,8 @@ fn known(visibility: f32) -> Lookup {
         bias: 0.0,
         turn: Vec2::X,
         footprint: [Vec2::ZERO; 2],
+        slope: Vec2::ZERO,
+        slope_limit: 0.0,
     }
 }
 
@@ -110,7 +118,13 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if offset > 0.0 {
         bias = 0.0;
     }
-    let point = receiver.point + normal * offset;
+    let mut slope = Vec2::ZERO;
+    let mut slope_limit = 0.0;
+    if light.bias & BIAS_RECEIVER_PLANE != 0 {
+        slope = depth_gradient(view, receiver.point, receiver.normal);
+        slope_limit = plane_limit(light, view, w);
+    }
+    let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, w));
     let w = row_times_point(view.clip_w, point);
     let x = row_times_point(view.clip_x, point) / w;
     let y = row_times_point(view.clip_y, point) / w;
@@ -126,7 +140,7 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if light.filter == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias, turn, footprint }
+    Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias, turn, footprint, slope, slope_limit }
 }
 
 /// The sides of a receiver's pixel in a view's map, in texels; zero where the filter does not look at them. `w` is the receiver's.
@@ -163,9 +177,13 @@ pub fn unit_normal(normal: Vec3) -> Vec3 {
 #[inline(always)]
 #[must_use]
 pub fn visibility(light: &LightPlan, views: &[ViewPlan], maps: &impl MapAccess, receiver: &Receiver) -> f32 {
-    let lookup = lookup(light, views, receiver);
+    let mut lookup = lookup(light, views, receiver);
     if lookup.view == NO_VIEW {
         return lookup.known;
     }
-    filtered_test(maps, &views[lookup.view as usize], light, &lookup)
+    let view = &views[lookup.view as usize];
+    if light.bias & BIAS_RECEIVER_GRADIENT != 0 {
+        lookup.bias += stored_gradient(maps, view, light, lookup.texel);
+    }
+    filtered_test(maps, view, light, &lookup)
 }

@@ -3,7 +3,10 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use proptest::{prelude::*, test_runner::TestRunner};
 use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split};
+use shadow_math::{
+    Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split,
+    settings::{BiasParts, ReceiverGradient},
+};
 use shadow_scene::{
     Alpha, Frame, FramePlan, Image, LayerName, Material, Mesh, Pixels, Request, Scene, SceneBuilder, Texture, Vertices, Wrap,
     builtin, compare::compare, import,
@@ -57,10 +60,29 @@ fn built_in_scenes_agree_under_every_setting() {
     for name in builtin::NAMES {
         let scene = builtin::by_name(name).expect("the name is listed");
         let camera = scene.cameras()[0].camera;
+        let gradient = ReceiverGradient { scale: 1.0, ..ReceiverGradient::default() };
+        let all = BiasParts {
+            constant: Some(0.001),
+            normal_offset: Some(1.0),
+            receiver_plane: Some(0.1),
+            receiver_gradient: Some(gradient),
+            ..BiasParts::NONE
+        };
+        for (bias_name, parts) in [
+            ("constant", BiasParts { constant: Some(0.01), ..BiasParts::NONE }),
+            ("slope", BiasParts { slope: Some(1.0), ..BiasParts::NONE }),
+            ("normal-offset", BiasParts { normal_offset: Some(1.5), ..BiasParts::NONE }),
+            ("receiver-plane", BiasParts { receiver_plane: Some(0.2), ..BiasParts::NONE }),
+            ("receiver-gradient", BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE }),
+            ("all", all),
+        ] {
+            for filter in [Filter::Hard, Filter::Bilinear, Filter::Witness5, Filter::Vogel] {
+                let settings = ShadowSettings { filter, bias: Bias::Parts(parts), map_size: 300, ..ShadowSettings::default() };
+                check(&format!("{name} {filter:?} {bias_name}"), &scene, &camera, &settings, (203, 117));
+            }
+        }
         for filter in Filter::ALL {
-            for (bias_name, bias) in
-                [("none", Bias::None), ("constant", Bias::Constant { metres: 0.01 }), ("slope", Bias::default())]
-            {
+            for (bias_name, bias) in [("none", Bias::NONE), ("automatic", Bias::default())] {
                 let settings = ShadowSettings { filter, bias, map_size: 300, ..ShadowSettings::default() };
                 check(&format!("{name} {filter:?} {bias_name}"), &scene, &camera, &settings, (203, 117));
             }

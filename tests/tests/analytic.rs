@@ -180,7 +180,7 @@ fn a_grazing_light_leaves_no_acne() {
         assert!(seen > 10_000, "the plane is in the picture");
         assert!(visibility.iter().all(|&visibility| visibility == 1.0), "{filter:?}");
     }
-    let constant = ShadowSettings { bias: Bias::Constant { metres: 0.01 }, map_size: 512, ..ShadowSettings::default() };
+    let constant = ShadowSettings { bias: Bias::constant(0.01), map_size: 512, ..ShadowSettings::default() };
     let plan = FramePlan::new(&scene, &from_above(4.0), &constant, PIXELS, PIXELS, None).expect("the scene can be planned");
     let renderer = renderers::cpu();
     let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;

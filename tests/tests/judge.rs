@@ -62,7 +62,7 @@ fn a_plane_that_shadows_itself_has_acne_alone() {
     let scene = builtin::tilted_plane(Vec3::new(0.3, 1.0, 0.2), 5.0);
     for filter in [Filter::Hard, Filter::Bilinear] {
         let settings = |bias| ShadowSettings { bias, filter, map_size: 256, ..ShadowSettings::default() };
-        let none = judged(&scene, &settings(Bias::None)).total();
+        let none = judged(&scene, &settings(Bias::NONE)).total();
         assert_eq!(none.wrong(), none.count(Cause::Acne), "{none:?}");
         assert!(none.wrong() * 5 > none.judged * 2, "{} of {} pixels", none.wrong(), none.judged);
         let automatic = judged(&scene, &settings(Bias::Automatic)).total();
@@ -95,7 +95,7 @@ fn what_hides_no_light_hides_no_acne() {
         builder.add_camera("main", camera.expect("the eye is not the target"));
         builder.build().expect("the scene is whole")
     };
-    let settings = ShadowSettings { bias: Bias::None, map_size: 512, ..ShadowSettings::default() };
+    let settings = ShadowSettings { bias: Bias::NONE, map_size: 512, ..ShadowSettings::default() };
     let hole = Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..Material::white() };
     for (case, scene) in [
         ("nothing above", room(Material::white(), None)),
@@ -168,7 +168,7 @@ fn wrong_texels_are_blamed_on_slivers_where_there_are_any() {
 fn a_bias_that_is_too_long_detaches_shadows_by_its_length() {
     const BIAS: f64 = 0.5;
     let scene = builtin::fence();
-    let bias = Bias::Constant { metres: BIAS as f32 };
+    let bias = Bias::constant(BIAS as f32);
     let settings = ShadowSettings { bias, filter: Filter::Hard, map_size: 4096, ..ShadowSettings::default() };
     let judgement = judged(&scene, &settings);
     let [texel_x, texel_y] = plan(&scene, &settings).views[0].texel_metres.map(f64::from);
@@ -236,7 +236,7 @@ fn rules_are_judged_as_the_frames_that_follow_them() {
     let tracer = Tracer::new(&scene, 0).expect("threads start");
     let judge = judge(&tracer);
     let three_js = ENGINES.iter().find(|engine| engine.name == "three.js").expect("it is among the engines").directional;
-    for (rule, bias) in [(Rule::Automatic { scale: 1.0 }, Bias::Automatic), (three_js, Bias::None)] {
+    for (rule, bias) in [(Rule::Automatic { scale: 1.0 }, Bias::Automatic), (three_js, Bias::NONE)] {
         let plan_of = |bias| plan(&scene, &ShadowSettings { map_size: 512, bias, ..ShadowSettings::default() });
         let by_frame = judge.judge(&plan_of(bias), &frame(&scene, &plan_of(bias))).expect("the frame is of the judge's view");
         // Rules are asked under one plan, that of the automatic bias.

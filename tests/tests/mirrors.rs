@@ -11,10 +11,10 @@ use glam::{Vec2, Vec3, Vec4};
 use shadow_gpu::DriverRules;
 use shadow_math::{
     Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
-    bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset},
+    bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
     bounds::Aabb,
     filter::{
-        depth_test, disc_place, filtered_test, footprint_counts, footprint_place, support,
+        depth_test, disc_place, filtered_test, footprint_counts, footprint_place, stored_gradient, support, tap_depth,
         taps::{for_each_test_place, for_each_weighted_tap},
         turn::turn_of_pixel,
     },
@@ -24,9 +24,10 @@ use shadow_math::{
         sample_texture, wrap_texel,
     },
     plan::{
-        BIAS_AUTOMATIC, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE,
-        ViewPlan, plan_light, toward_light,
+        BIAS_AUTOMATIC, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan,
+        MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
+    settings::{BiasParts, ReceiverGradient},
     shade::{Surface, attenuation, shade_ambient, shade_light},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
@@ -336,7 +337,12 @@ const TABLE: &[Mirror] = &[
             output(0u, needed);
             output(1u, normal_offset(u32(input(0u)), view, point, normal, needed, w));",
         inputs_each: 15,
-        inputs: |world, _| world.receivers.concat(),
+        inputs: |world, _| {
+            // Only the automatic bias moves lookups so, and it only at grazing angles.
+            let is_automatic = |group: &&[f32; 15]| world.light(group[0]).bias == BIAS_AUTOMATIC;
+            let automatic = world.receivers.iter().filter(is_automatic);
+            automatic.chain(world.receivers.iter().take(COUNT)).copied().collect::<Vec<_>>().concat()
+        },
         twin: |world, i| {
             let (light, receiver) = receiver(world, i);
             let view = &world.globals.views[light.first_view as usize];
@@ -387,6 +393,82 @@ const TABLE: &[Mirror] = &[
         reason: "two quotients, two products of each side, and a square root",
     },
     Mirror {
+        file: "bias",
+        functions: &["normal_step", "plane_limit"],
+        statements: "let point = input3(1u);
+            let normal = unit_normal(input3(4u));
+            let view = lights[u32(input(0u))].first_view;
+            let w = row_times_point(views[view].clip_w, point);
+            output(0u, normal_step(u32(input(0u)), view, point, normal, w));
+            output(1u, plane_limit(u32(input(0u)), view, max(w, 0.5)));",
+        inputs_each: 15,
+        inputs: |world, _| world.receivers.concat(),
+        twin: |world, i| {
+            let (light, receiver) = receiver(world, i);
+            let view = &world.globals.views[light.first_view as usize];
+            let normal = unit_normal(receiver.normal);
+            let w = row_times_point(view.clip_w, receiver.point);
+            let step = normal_step(light, view, receiver.point, normal, w);
+            // The sine of small angles is lost in one minus the cosine's square.
+            let texel = view.texel_metres[0].max(view.texel_metres[1]) * magnitude_of_row(view.clip_w, receiver.point);
+            let limit = plane_limit(light, view, w.max(0.5));
+            let scale = 1.0 + limit.abs() * (1.0 + light.plane_metres) * 4.0;
+            let lost = if normal.is_finite() { light.normal_texels * texel * 4096.0 } else { f32::INFINITY };
+            vec![Number { value: step, scale: lost }, Number { value: limit, scale }]
+        },
+        bound: 64,
+        reason: "a square root of what is left of one",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["tap_depth", "tap_test"],
+        statements: "let asked = Lookup(0u, 0.0, vec2f(input(1u), input(2u)), input(3u), 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT, vec2f(input(4u), input(5u)),
+            input(6u));
+            output(0u, tap_depth(u32(input(0u)), asked, i32(input(7u)), i32(input(8u))));",
+        inputs_each: 9,
+        inputs: |world, random| {
+            random.groups::<9>(&[], |random| {
+                let light = random.below(world.globals.lights.len() as u32) as f32;
+                let [x, y] = [random.within(0.0, 32.0), random.within(0.0, 32.0)];
+                let [slope_x, slope_y] = [random.within(-0.1, 0.1), random.within(-0.1, 0.1)];
+                [light, x, y, random.unit(), slope_x, slope_y, random.unit() * 0.2, (x + random.within(-3.0, 3.0)).floor(), y.floor()]
+            })
+        },
+        twin: |world, i| {
+            let lookup = Lookup {
+                texel: Vec2::new(i[1], i[2]),
+                depth: i[3],
+                slope: Vec2::new(i[4], i[5]),
+                slope_limit: i[6],
+                ..Lookup::default()
+            };
+            vec![Number { value: tap_depth(world.light(i[0]), &lookup, i[7] as i32, i[8] as i32), scale: 4.0 }]
+        },
+        bound: 16,
+        reason: "differences of texels, times a slope",
+    },
+    Mirror {
+        file: "filter",
+        functions: &["stored_gradient", "stored"],
+        statements: "output(0u, stored_gradient(u32(input(1u)), u32(input(0u)), vec2f(input(2u), input(3u))));",
+        inputs_each: 4,
+        inputs: |world, random| {
+            random.groups::<4>(&[], |random| {
+                let lights = world.globals.lights.iter().enumerate().filter(|(_, light)| light.bias & BIAS_RECEIVER_GRADIENT != 0);
+                let lights: Vec<f32> = lights.map(|(index, _)| index as f32).collect();
+                let [view, x, y] = world.view_and_texel(random);
+                [lights[random.below(lights.len() as u32) as usize], view, x, y]
+            })
+        },
+        twin: |world, i| {
+            let value = stored_gradient(&world.map(), world.view(i[1]), world.light(i[0]), Vec2::new(i[2], i[3]));
+            let at_border = (Vec2::new(i[2], i[3]) - Vec2::new(i[2], i[3]).round()).abs().min_element() == 0.0;
+            vec![Number { value, scale: if at_border { 4.0 } else { 1.0 } }]
+        },
+        bound: 8,
+        reason: "differences of depths, a product and a sum",
+    },
+    Mirror {
         file: "filter",
         functions: &["turn_of_pixel"],
         statements: "let turn = turn_of_pixel(vec2u(u32(input(0u)), u32(input(1u))));
@@ -423,7 +505,7 @@ const TABLE: &[Mirror] = &[
         file: "filter",
         functions: &["disc_place", "footprint_place", "footprint_count"],
         statements: "let sides = Footprint(vec2f(input(6u), input(7u)), vec2f(input(8u), input(9u)));
-            let asked = Lookup(0u, 0.0, vec2f(input(2u), input(3u)), 0.0, 0.0, vec2f(input(4u), input(5u)), sides);
+            let asked = Lookup(0u, 0.0, vec2f(input(2u), input(3u)), 0.0, 0.0, vec2f(input(4u), input(5u)), sides, vec2f(0.0, 0.0), 0.0);
             let of_disc = disc_place(u32(input(0u)), asked, u32(input(1u)));
             output(0u, of_disc.x);
             output(1u, of_disc.y);
@@ -479,11 +561,11 @@ const TABLE: &[Mirror] = &[
             "footprint_test",
         ],
         statements: "let sides = Footprint(vec2f(input(8u), input(9u)), vec2f(input(10u), input(11u)));
-            let asked = Lookup(u32(input(1u)), 0.0, vec2f(input(2u), input(3u)), input(4u), input(5u), vec2f(input(6u), input(7u)), sides);
+            let asked = Lookup(u32(input(1u)), 0.0, vec2f(input(2u), input(3u)), input(4u), input(5u), vec2f(input(6u), input(7u)), sides, vec2f(input(12u), input(13u)), input(14u));
             output(0u, filtered_test(u32(input(0u)), asked));",
-        inputs_each: 12,
+        inputs_each: 15,
         inputs: |world, random| {
-            random.groups::<12>(&[], |random| {
+            random.groups::<15>(&[], |random| {
                 let light = random.below(world.globals.lights.len() as u32) as f32;
                 let [view, x, y] = world.view_and_texel(random);
                 let bias = random.bias();
@@ -491,7 +573,8 @@ const TABLE: &[Mirror] = &[
                 let size = if random.below(2) == 0 { 1.0 } else { 12.0 };
                 let [a, b] = [random.vector(size), random.vector(size)];
                 let depth = world.depth_near(random, view, x.floor(), y.floor(), bias);
-                [light, view, x, y, depth, bias, turn.x, turn.y, a.x, a.y, b.x, b.y]
+                let slopes = [random.within(-0.05, 0.05), random.within(-0.05, 0.05), random.unit() * 0.1];
+                [light, view, x, y, depth, bias, turn.x, turn.y, a.x, a.y, b.x, b.y, slopes[0], slopes[1], slopes[2]]
             })
         },
         twin: |world, i| {
@@ -504,6 +587,8 @@ const TABLE: &[Mirror] = &[
                 bias: i[5],
                 turn: Vec2::new(i[6], i[7]),
                 footprint: [Vec2::new(i[8], i[9]), Vec2::new(i[10], i[11])],
+                slope: Vec2::new(i[12], i[13]),
+                slope_limit: i[14],
             };
             let value = filtered_test(&world.map(), world.view(i[1]), light, &lookup);
             // A turned place may be rounded over a border; a place that is given may not.
@@ -543,7 +628,9 @@ const TABLE: &[Mirror] = &[
             output(5u, found.bias);
             output(6u, found.turn.x);
             output(7u, found.footprint.x.x);
-            output(8u, found.footprint.y.y);",
+            output(8u, found.footprint.y.y);
+            output(9u, found.slope.x);
+            output(10u, found.slope_limit);",
         inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
@@ -559,8 +646,10 @@ const TABLE: &[Mirror] = &[
             let [view, known] = [view, found.known].map(|value| Number { value, scale: choice });
             let turn = Number { value: found.turn.x, scale: choice };
             let sides = world.scale_of_footprint(light, &receiver);
+            // A gradient has a mirror of its own, and so has the limit.
+            let [slope, limit] = [found.slope.x, found.slope_limit].map(|value| Number { value, scale: choice * (1.0 + value.abs()) * 1e3 });
             let side = |value, scale: f32| Number { value, scale: scale * choice };
-            vec![view, known, x, y, depth, bias, turn, side(found.footprint[0].x, sides), side(found.footprint[1].y, sides)]
+            vec![view, known, x, y, depth, bias, turn, side(found.footprint[0].x, sides), side(found.footprint[1].y, sides), slope, limit]
         },
         bound: 48,
         reason: "a quotient of two rows, and the bias; the answer's kind is exact but at the borders",

@@ -244,7 +244,7 @@ impl LitPlane {
 
 /// The slope bias with this factor on the filter's support.
 fn slope(scale: f32) -> Bias {
-    Bias::Slope { scale, metres: 0.0 }
+    Bias::slope(scale, 0.0)
 }
 
 #[test]

@@ -4,13 +4,14 @@ use glam::DVec3;
 use serde::Serialize;
 use shadow_math::{
     Filter, Fit, Store,
-    plan::{BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, LightPlan, SPLIT_CUBE, ViewPlan},
+    plan::{LightPlan, SPLIT_CUBE, ViewPlan},
 };
 use shadow_scene::SceneLight;
 
 use super::Verdict;
 use crate::{
     args::PlanArgs,
+    bias::{BiasNames, summary},
     console::{Console, print, print_json, table},
     error::CliError,
     resolve::{Job, kind_name, view_names},
@@ -68,11 +69,14 @@ struct LightReport<'a> {
 /// How self-shadowing is avoided.
 #[derive(Debug, Serialize)]
 struct BiasReport {
-    name: &'static str,
+    name: String,
     /// A length along the view axis of the light that is added, in metres.
     metres: f32,
     /// The factor on what the receiver's plane needs; 0 where that is not asked.
     slope_scale: f32,
+    /// The bias in a line.
+    #[serde(skip)]
+    summary: String,
 }
 
 /// One shadow map.
@@ -138,7 +142,12 @@ impl<'a> LightReport<'a> {
             fit: job.settings.fit,
             split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
             store: job.settings.store,
-            bias: BiasReport { name: bias_name(plan.bias), metres: plan.bias_metres, slope_scale: plan.slope_scale },
+            bias: BiasReport {
+                name: BiasNames::of(job.settings.bias).0.to_string(),
+                metres: plan.bias_metres,
+                slope_scale: plan.slope_scale,
+                summary: summary(job.settings.bias),
+            },
             filter: job.settings.filter,
             views: views
                 .iter()
@@ -162,17 +171,6 @@ impl ViewReport {
             texel_metres: view.texel_metres,
             rounding: RoundingReport { texels: view.rounding_texels, depth: view.rounding_depth },
         }
-    }
-}
-
-/// The name of a plan's bias.
-fn bias_name(bias: u32) -> &'static str {
-    match bias {
-        BIAS_NONE => "none",
-        BIAS_CONSTANT => "constant",
-        BIAS_SLOPE => "slope",
-        BIAS_AUTOMATIC => "automatic",
-        _ => "unknown",
     }
 }
 
@@ -208,7 +206,7 @@ fn text(report: &Report<'_>) -> String {
                 format!("{:.3} m", view.depth_range[0]),
                 format!("{:.3} m", view.depth_range[1]),
                 format!("{:.2} x {:.2} mm{at}", 1e3 * view.texel_metres[0], 1e3 * view.texel_metres[1]),
-                bias_text(&light.bias),
+                light.bias.summary.clone(),
                 light.filter.name().into(),
             ]);
         }
@@ -220,8 +218,4 @@ fn text(report: &Report<'_>) -> String {
     }
     text.push_str("--json has the matrices and the bounds on rounding\n");
     text
-}
-
-fn bias_text(bias: &BiasReport) -> String {
-    if bias.metres == 0.0 { bias.name.into() } else { format!("{} + {} m", bias.name, bias.metres) }
 }

@@ -222,7 +222,7 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
     check_folder_of(&args.output)?;
     // The tracer has threads of its own, whatever renders.
     check_machine(&args.machine, &[args.backend, Backend::Trace], &console)?;
-    let job = Job::resolve(&args.picture, &BiasArgs::AUTOMATIC, &console)?;
+    let job = Job::resolve(&args.picture, &BiasArgs::default(), &console)?;
     memory::check(&job, Work::Measure(args.backend, 1))?;
 
     console.stage("building the tracer's tree");

@@ -203,7 +203,7 @@ impl Rule {
         let of_stored = if let Self::Engine { of_stored, .. } = self { *of_stored } else { 0.0 };
         let depth = ndc.z.min(1.0) / (1.0 + of_stored);
         let turn = if light.filter == FILTER_DISC { turn_of_pixel(receiver.pixel) } else { Vec2::X };
-        Lookup { view: index, known: 0.0, texel, depth, bias, turn, footprint: sides }
+        Lookup { view: index, texel, depth, bias, turn, footprint: sides, ..Lookup::default() }
     }
 
     /// How far the receiver is moved, in metres, and what is added to the stored depth.

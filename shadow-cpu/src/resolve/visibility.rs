@@ -5,8 +5,8 @@ use shadow_math::{
     fit::cube_face_of,
     glam::Vec2,
     plan::{
-        FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LightPlan, PixelRays, SPLIT_SINGLE, ViewPlan,
-        toward_light,
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LightPlan,
+        PixelRays, SPLIT_SINGLE, ViewPlan, toward_light,
     },
     visibility::{NO_VIEW, lookup_in_view, visibility},
 };
@@ -42,7 +42,9 @@ pub(crate) fn span_visibility(
     count: usize,
     out: &mut Numbers,
 ) {
-    match (common_view(light, hits, count), light.filter) {
+    // Taps with depths or biases of their own go one pixel after the other.
+    let is_plain = light.bias & (BIAS_RECEIVER_PLANE | BIAS_RECEIVER_GRADIENT) == 0;
+    match (common_view(light, hits, count).filter(|_| is_plain), light.filter) {
         (Some(view), FILTER_BILINEAR) => vector_visibility::<true>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_HARD) => vector_visibility::<false>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_SEPARABLE) => {

@@ -36,17 +36,21 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
     let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
     let rounding_texels = views[view].rounding_texels;
     let rounding_depth = views[view].rounding_depth;
-    let texels = support(light, gradient, footprint) * lights[light].slope_scale
-        + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
+    // Taps that are compared with the receiver's plane need nothing for where they lie.
+    var reach = 0.0;
+    if (lights[light].bias & BIAS_RECEIVER_PLANE) == 0u {
+        reach = support(light, gradient, footprint) * lights[light].slope_scale;
+    }
+    let texels = reach + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
     return slope * texels + (rounding_depth.x + rounding_depth.y / w);
 }
 
 fn depth_bias(light: u32, view: u32, needed: f32, w: f32) -> f32 {
-    if lights[light].bias == BIAS_NONE {
-        return 0.0;
+    var bias = 0.0;
+    if (lights[light].bias & BIAS_CONSTANT) != 0u {
+        bias = metres_to_depth(view, w, lights[light].bias_metres);
     }
-    var bias = metres_to_depth(view, w, lights[light].bias_metres);
-    if lights[light].bias != BIAS_CONSTANT {
+    if (lights[light].bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE)) != 0u {
         bias = bias + needed;
     }
     return min(bias, MAX_DEPTH_BIAS);
@@ -67,4 +71,18 @@ fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, needed: f32
         return needed_at_height * w / rest;
     }
     return 0.0;
+}
+
+fn normal_step(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
+    if (lights[light].bias & BIAS_NORMAL_OFFSET) == 0u {
+        return 0.0;
+    }
+    let cosine = dot3(normal, normalized(toward_light(light, point)));
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let texel = max(views[view].texel_metres.x, views[view].texel_metres.y) * w;
+    return lights[light].normal_texels * texel * sine;
+}
+
+fn plane_limit(light: u32, view: u32, w: f32) -> f32 {
+    return metres_to_depth(view, w, lights[light].plane_metres);
 }

@@ -33,6 +33,8 @@ struct Lookup {
     bias: f32,
     turn: vec2f,
     footprint: Footprint,
+    slope: vec2f,
+    slope_limit: f32,
 }
 
 struct Footprint {
@@ -79,22 +81,53 @@ fn depth_test(view: u32, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
     return 0.0;
 }
 
-fn test_at(view: u32, place: vec2f, depth: f32, bias: f32) -> f32 {
-    return depth_test(view, i32(floor(place.x)), i32(floor(place.y)), depth, bias);
+fn tap_depth(light: u32, asked: Lookup, x: i32, y: i32) -> f32 {
+    if (lights[light].bias & BIAS_RECEIVER_PLANE) == 0u {
+        return asked.depth;
+    }
+    let along_x = asked.slope.x * (f32(x) + 0.5 - asked.texel.x);
+    let along_y = asked.slope.y * (f32(y) + 0.5 - asked.texel.y);
+    let correction = min(max(along_x + along_y, -asked.slope_limit), asked.slope_limit);
+    return min(asked.depth + correction, 1.0);
 }
 
-fn bilinear_test(view: u32, texel: vec2f, depth: f32, bias: f32) -> f32 {
-    let corner = texel - vec2f(0.5, 0.5);
+fn tap_test(light: u32, asked: Lookup, x: i32, y: i32) -> f32 {
+    return depth_test(asked.view, x, y, tap_depth(light, asked, x, y), asked.bias);
+}
+
+fn stored(view: u32, x: i32, y: i32) -> f32 {
+    let rect = vec4i(views[view].rect);
+    if x < rect.x || y < rect.y || x >= rect.x + rect.z || y >= rect.y + rect.w {
+        return 1.0;
+    }
+    return fetch_texel(views[view].layer, u32(x), u32(y));
+}
+
+fn stored_gradient(view: u32, light: u32, texel: vec2f) -> f32 {
+    let x = i32(floor(texel.x));
+    let y = i32(floor(texel.y));
+    let across = abs(stored(view, x + 1, y) - stored(view, x - 1, y));
+    let down = abs(stored(view, x, y + 1) - stored(view, x, y - 1));
+    let difference = min(max(across, down), lights[light].gradient_clamp);
+    return difference * lights[light].gradient_scale + stored(view, x, y) * lights[light].gradient_fixed;
+}
+
+fn test_at(light: u32, asked: Lookup, place: vec2f) -> f32 {
+    return tap_test(light, asked, i32(floor(place.x)), i32(floor(place.y)));
+}
+
+fn bilinear_test(light: u32, asked: Lookup) -> f32 {
+    let corner = asked.texel - vec2f(0.5, 0.5);
     let floor_x = floor(corner.x);
     let floor_y = floor(corner.y);
     let fraction_x = corner.x - floor_x;
     let fraction_y = corner.y - floor_y;
     let x0 = i32(floor_x);
     let y0 = i32(floor_y);
-    let t00 = depth_test(view, x0, y0, depth, bias);
-    let t10 = depth_test(view, x0 + 1, y0, depth, bias);
-    let t01 = depth_test(view, x0, y0 + 1, depth, bias);
-    let t11 = depth_test(view, x0 + 1, y0 + 1, depth, bias);
+    let t00 = tap_test(light, asked, x0, y0);
+    let t10 = tap_test(light, asked, x0 + 1, y0);
+    let t01 = tap_test(light, asked, x0, y0 + 1);
+    let t11 = tap_test(light, asked, x0 + 1, y0 + 1);
     let top = t00 + (t10 - t00) * fraction_x;
     let bottom = t01 + (t11 - t01) * fraction_x;
     return top + (bottom - top) * fraction_y;
@@ -118,9 +151,9 @@ fn separable_test(light: u32, asked: Lookup) -> f32 {
     var column_before = 0.0;
     for (var x = 0; x <= taps; x++) {
         var column = 0.0;
-        var above = depth_test(asked.view, x0 + x, y0, asked.depth, asked.bias);
+        var above = tap_test(light, asked, x0 + x, y0);
         for (var y = 0; y < taps; y++) {
-            let below = depth_test(asked.view, x0 + x, y0 + y + 1, asked.depth, asked.bias);
+            let below = tap_test(light, asked, x0 + x, y0 + y + 1);
             column += kernel_weight(light, y) * (above + (below - above) * fraction_y);
             above = below;
         }
@@ -133,14 +166,14 @@ fn separable_test(light: u32, asked: Lookup) -> f32 {
     return sum / (total * total);
 }
 
-fn cross_test(asked: Lookup) -> f32 {
+fn cross_test(light: u32, asked: Lookup) -> f32 {
     let x = i32(floor(asked.texel.x));
     let y = i32(floor(asked.texel.y));
-    let beside = depth_test(asked.view, x - 1, y, asked.depth, asked.bias)
-        + depth_test(asked.view, x + 1, y, asked.depth, asked.bias);
-    let above = depth_test(asked.view, x, y - 1, asked.depth, asked.bias)
-        + depth_test(asked.view, x, y + 1, asked.depth, asked.bias);
-    return (depth_test(asked.view, x, y, asked.depth, asked.bias) + beside + above) / 5.0;
+    let beside = tap_test(light, asked, x - 1, y)
+        + tap_test(light, asked, x + 1, y);
+    let above = tap_test(light, asked, x, y - 1)
+        + tap_test(light, asked, x, y + 1);
+    return (tap_test(light, asked, x, y) + beside + above) / 5.0;
 }
 
 fn disc_place(light: u32, asked: Lookup, tap: u32) -> vec2f {
@@ -157,7 +190,7 @@ fn disc_test(light: u32, asked: Lookup) -> f32 {
     let taps = lights[light].filter_taps;
     var lit = 0.0;
     for (var tap = 0u; tap < taps; tap++) {
-        lit += test_at(asked.view, disc_place(light, asked, tap), asked.depth, asked.bias);
+        lit += test_at(light, asked, disc_place(light, asked, tap));
     }
     return lit / f32(taps);
 }
@@ -178,12 +211,12 @@ fn footprint_place(asked: Lookup, at: vec2u, counts: vec2u) -> vec2f {
     );
 }
 
-fn footprint_test(asked: Lookup) -> f32 {
+fn footprint_test(light: u32, asked: Lookup) -> f32 {
     let counts = vec2u(footprint_count(asked.footprint.x), footprint_count(asked.footprint.y));
     var lit = 0.0;
     for (var row = 0u; row < counts.y; row++) {
         for (var column = 0u; column < counts.x; column++) {
-            lit += test_at(asked.view, footprint_place(asked, vec2u(column, row), counts), asked.depth, asked.bias);
+            lit += test_at(light, asked, footprint_place(asked, vec2u(column, row), counts));
         }
     }
     return lit / f32(counts.x * counts.y);
@@ -192,19 +225,19 @@ fn footprint_test(asked: Lookup) -> f32 {
 fn filtered_test(light: u32, asked: Lookup) -> f32 {
     let kind = lights[light].filter_kind;
     if kind == FILTER_HARD {
-        return test_at(asked.view, asked.texel, asked.depth, asked.bias);
+        return test_at(light, asked, asked.texel);
     }
     if kind == FILTER_BILINEAR {
-        return bilinear_test(asked.view, asked.texel, asked.depth, asked.bias);
+        return bilinear_test(light, asked);
     }
     if kind == FILTER_SEPARABLE {
         return separable_test(light, asked);
     }
     if kind == FILTER_CROSS {
-        return cross_test(asked);
+        return cross_test(light, asked);
     }
     if kind == FILTER_DISC {
         return disc_test(light, asked);
     }
-    return footprint_test(asked);
+    return footprint_test(light, asked);
 }

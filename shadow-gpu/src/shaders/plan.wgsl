@@ -10,7 +10,10 @@ const SPLIT_CUBE: u32 = 1u;
 const BIAS_NONE: u32 = 0u;
 const BIAS_CONSTANT: u32 = 1u;
 const BIAS_SLOPE: u32 = 2u;
-const BIAS_AUTOMATIC: u32 = 3u;
+const BIAS_AUTOMATIC: u32 = 4u;
+const BIAS_NORMAL_OFFSET: u32 = 8u;
+const BIAS_RECEIVER_PLANE: u32 = 16u;
+const BIAS_RECEIVER_GRADIENT: u32 = 32u;
 
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;
@@ -62,7 +65,11 @@ struct LightPlan {
     filter_taps: u32,
     filter_reach: f32,
     filter_total: f32,
-    padding: u32,
+    normal_texels: f32,
+    plane_metres: f32,
+    gradient_fixed: f32,
+    gradient_clamp: f32,
+    gradient_scale: f32,
     filter_table: array<vec4f, 8>,
 }
 

@@ -12,7 +12,7 @@ const NO_VIEW: u32 = 0xffffffffu;
 const NO_FOOTPRINT = Footprint(vec2f(0.0, 0.0), vec2f(0.0, 0.0));
 
 fn known_lookup(visibility: f32) -> Lookup {
-    return Lookup(NO_VIEW, visibility, vec2f(0.0, 0.0), 0.0, 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT);
+    return Lookup(NO_VIEW, visibility, vec2f(0.0, 0.0), 0.0, 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT, vec2f(0.0, 0.0), 0.0);
 }
 
 fn footprint_side(view: u32, step: vec3f, x: f32, y: f32, w: f32) -> vec2f {
@@ -68,7 +68,13 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if offset > 0.0 {
         bias = 0.0;
     }
-    let point = receiver.point + normal * offset;
+    var slope = vec2f(0.0, 0.0);
+    var slope_limit = 0.0;
+    if (lights[light].bias & BIAS_RECEIVER_PLANE) != 0u {
+        slope = depth_gradient(view, receiver.point, receiver.normal);
+        slope_limit = plane_limit(light, view, receiver_w);
+    }
+    let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, receiver_w));
     let w = row_times_point(views[view].clip_w, point);
     let x = row_times_point(views[view].clip_x, point) / w;
     let y = row_times_point(views[view].clip_y, point) / w;
@@ -88,7 +94,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if lights[light].filter_kind == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    return Lookup(view, 0.0, texel, min(z, 1.0), bias, turn, sides);
+    return Lookup(view, 0.0, texel, min(z, 1.0), bias, turn, sides, slope, slope_limit);
 }
 
 fn unit_normal(normal: vec3f) -> vec3f {
@@ -97,9 +103,12 @@ fn unit_normal(normal: vec3f) -> vec3f {
 }
 
 fn visibility(light: u32, receiver: Receiver) -> f32 {
-    let found = lookup(light, receiver);
+    var found = lookup(light, receiver);
     if found.view == NO_VIEW {
         return found.known;
+    }
+    if (lights[light].bias & BIAS_RECEIVER_GRADIENT) != 0u {
+        found.bias += stored_gradient(found.view, light, found.texel);
     }
     return filtered_test(light, found);
 }

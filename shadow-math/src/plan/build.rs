@@ -3,8 +3,8 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
-    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NONE, BIAS_SLOPE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan,
-    MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan,
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
@@ -16,7 +16,9 @@ use crate::{
     fit::{self, ViewFit},
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     rounding::RoundingBound,
-    settings::{Bias, Fit, MAX_MAP_SIZE, MIN_MAP_SIZE, ShadowSettings, Split, Store},
+    settings::{
+        Bias, BiasParts, Fit, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, ReceiverGradient, ShadowSettings, Split, Store,
+    },
     spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
 };
 
@@ -196,26 +198,50 @@ fn is_usable_view(plan: &ViewPlan) -> bool {
 
 /// Writes the bias into a light's plan.
 fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
-    let check_metres =
-        |metres: f32| if metres.is_finite() && metres >= 0.0 { Ok(metres) } else { Err(PlanError::BiasMetres(metres)) };
-    match bias {
-        Bias::None => plan.bias = BIAS_NONE,
-        Bias::Automatic => {
-            plan.bias = BIAS_AUTOMATIC;
-            plan.slope_scale = 1.0;
+    let at_least_zero = |number: f32| number.is_finite() && number >= 0.0;
+    let Bias::Parts(parts) = bias else {
+        plan.bias = BIAS_AUTOMATIC;
+        plan.slope_scale = 1.0;
+        return Ok(());
+    };
+    let BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient } = parts;
+    if let Some(metres) = constant {
+        if !at_least_zero(metres) {
+            return Err(PlanError::BiasMetres(metres));
         }
-        Bias::Constant { metres } => {
-            plan.bias = BIAS_CONSTANT;
-            plan.bias_metres = check_metres(metres)?;
+        plan.bias |= BIAS_CONSTANT;
+        plan.bias_metres = metres;
+    }
+    if let Some(scale) = slope {
+        if !at_least_zero(scale) {
+            return Err(PlanError::SlopeScale(scale));
         }
-        Bias::Slope { scale, metres } => {
-            if !(scale.is_finite() && scale >= 0.0) {
-                return Err(PlanError::SlopeScale(scale));
-            }
-            plan.bias = BIAS_SLOPE;
-            plan.bias_metres = check_metres(metres)?;
-            plan.slope_scale = scale;
+        plan.bias |= BIAS_SLOPE;
+        plan.slope_scale = scale;
+    }
+    if let Some(texels) = normal_offset {
+        if !(at_least_zero(texels) && texels <= MAX_NORMAL_TEXELS) {
+            return Err(PlanError::NormalTexels(texels));
         }
+        plan.bias |= BIAS_NORMAL_OFFSET;
+        plan.normal_texels = texels;
+    }
+    if let Some(metres) = receiver_plane {
+        if slope.is_some() {
+            return Err(PlanError::SlopeWithReceiverPlane);
+        }
+        if !(metres.is_finite() && metres > 0.0) {
+            return Err(PlanError::PlaneMetres(metres));
+        }
+        plan.bias |= BIAS_RECEIVER_PLANE;
+        plan.plane_metres = metres;
+    }
+    if let Some(ReceiverGradient { fixed, clamp, scale }) = receiver_gradient {
+        if let Some(number) = [fixed, clamp, scale].into_iter().find(|&number| !at_least_zero(number)) {
+            return Err(PlanError::ReceiverGradient(number));
+        }
+        plan.bias |= BIAS_RECEIVER_GRADIENT;
+        (plan.gradient_fixed, plan.gradient_clamp, plan.gradient_scale) = (fixed, clamp, scale);
     }
     Ok(())
 }
@@ -355,10 +381,19 @@ mod tests {
         assert_eq!(refused(&sun, ShadowSettings { split: Split::Cube, ..settings }), PlanError::CubeAroundDirection);
         assert_eq!(refused(&sun, ShadowSettings { map_size: 15, ..settings }), PlanError::MapSize(15));
         assert_eq!(refused(&sun, ShadowSettings { map_size: 16_385, ..settings }), PlanError::MapSize(16_385));
-        let bias = Bias::Constant { metres: -1.0 };
+        let bias = Bias::constant(-1.0);
         assert_eq!(refused(&sun, ShadowSettings { bias, ..settings }), PlanError::BiasMetres(-1.0));
-        let bias = Bias::Slope { scale: f32::INFINITY, metres: 0.0 };
+        let bias = Bias::slope(f32::INFINITY, 0.0);
         assert_eq!(refused(&sun, ShadowSettings { bias, ..settings }), PlanError::SlopeScale(f32::INFINITY));
+        let parts = |parts| ShadowSettings { bias: Bias::Parts(parts), ..settings };
+        let none = BiasParts::NONE;
+        assert_eq!(refused(&sun, parts(BiasParts { normal_offset: Some(8.1), ..none })), PlanError::NormalTexels(8.1));
+        assert_eq!(refused(&sun, parts(BiasParts { receiver_plane: Some(0.0), ..none })), PlanError::PlaneMetres(0.0));
+        let both = BiasParts { receiver_plane: Some(1.0), slope: Some(1.0), ..none };
+        assert_eq!(refused(&sun, parts(both)), PlanError::SlopeWithReceiverPlane);
+        let gradient = ReceiverGradient { clamp: -0.5, ..ReceiverGradient::default() };
+        let error = refused(&sun, parts(BiasParts { receiver_gradient: Some(gradient), ..none }));
+        assert_eq!(error, PlanError::ReceiverGradient(-0.5));
         let mut few = [ViewPlan::default(); 5];
         let error = plan_light(&spot(1.5), &[scene()], scene(), &settings, 0, &mut few).unwrap_err();
         assert_eq!(error, PlanError::Views { needed: 6, given: 5 });

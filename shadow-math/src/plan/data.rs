@@ -18,14 +18,20 @@ pub const SPLIT_SINGLE: u32 = 0;
 /// [`LightPlan::split`]: six views, in the order of [`CUBE_FACES`](crate::fit::CUBE_FACES).
 pub const SPLIT_CUBE: u32 = 1;
 
-/// [`LightPlan::bias`]: none.
+/// [`LightPlan::bias`] without any part.
 pub const BIAS_NONE: u32 = 0;
-/// [`LightPlan::bias`]: a length.
+/// A bit of [`LightPlan::bias`]: a length.
 pub const BIAS_CONSTANT: u32 = 1;
-/// [`LightPlan::bias`]: what the receiver's plane needs.
+/// A bit of [`LightPlan::bias`]: what the receiver's plane needs.
 pub const BIAS_SLOPE: u32 = 2;
-/// [`LightPlan::bias`]: what the receiver's plane needs, as depth or along the normal.
-pub const BIAS_AUTOMATIC: u32 = 3;
+/// [`LightPlan::bias`] by itself: what the receiver's plane needs, as depth or along the normal.
+pub const BIAS_AUTOMATIC: u32 = 4;
+/// A bit of [`LightPlan::bias`]: a step along the normal.
+pub const BIAS_NORMAL_OFFSET: u32 = 8;
+/// A bit of [`LightPlan::bias`]: taps are compared with the receiver's plane.
+pub const BIAS_RECEIVER_PLANE: u32 = 16;
+/// A bit of [`LightPlan::bias`]: differences in the map.
+pub const BIAS_RECEIVER_GRADIENT: u32 = 32;
 
 /// [`LightPlan::filter`]: one test.
 pub const FILTER_HARD: u32 = 0;
@@ -116,7 +122,7 @@ pub struct LightPlan {
     pub view_count: u32,
     /// [`SPLIT_SINGLE`] or [`SPLIT_CUBE`]: how a receiver chooses among the views.
     pub split: u32,
-    /// [`BIAS_NONE`], [`BIAS_CONSTANT`], [`BIAS_SLOPE`] or [`BIAS_AUTOMATIC`].
+    /// [`BIAS_AUTOMATIC`], or any of the other bits together.
     pub bias: u32,
     /// A length in metres along the view axis that is added to the bias.
     pub bias_metres: f32,
@@ -130,8 +136,16 @@ pub struct LightPlan {
     pub filter_reach: f32,
     /// What the weights add up to on one axis: a separable filter's.
     pub filter_total: f32,
-    /// Padding to a multiple of 16 bytes.
-    pub padding: u32,
+    /// A step along the normal, in texels times the sine.
+    pub normal_texels: f32,
+    /// The most that a tap's depth is corrected by, in metres.
+    pub plane_metres: f32,
+    /// A share of the stored depth that is added to it.
+    pub gradient_fixed: f32,
+    /// The most that differences of stored depths count.
+    pub gradient_clamp: f32,
+    /// A factor on these differences.
+    pub gradient_scale: f32,
     /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
     pub filter_table: [[f32; 4]; 8],
 }

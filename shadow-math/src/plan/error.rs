@@ -3,7 +3,7 @@
 use crate::{
     camera::CameraError,
     light::LightError,
-    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MIN_MAP_SIZE},
+    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
 };
 
 /// Why a plan cannot be made.
@@ -24,6 +24,14 @@ pub enum PlanError {
     BiasMetres(f32),
     /// The factor on the slope bias is negative or not finite.
     SlopeScale(f32),
+    /// The step along the normal, in texels, is out of range.
+    NormalTexels(f32),
+    /// The most that a receiver plane corrects, in metres, is not above 0 or not finite.
+    PlaneMetres(f32),
+    /// A number of the receiver's gradient is negative or not finite.
+    ReceiverGradient(f32),
+    /// The slope bias is for taps that are compared with the receiver's own depth, and a receiver plane corrects them.
+    SlopeWithReceiverPlane,
     /// The filter's radius in texels is out of its range.
     FilterRadius {
         /// The filter, which says its [radii](Filter::radii).
@@ -86,6 +94,19 @@ impl core::fmt::Display for PlanError {
                     "a slope bias scaled by {scale} makes no sense; the scale must be finite and at least 0 (1 is enough and no more)"
                 )
             }
+            Self::NormalTexels(texels) => write!(
+                f,
+                "a step of {texels} texels along the normal is out of range; choose one from 0 to {MAX_NORMAL_TEXELS}"
+            ),
+            Self::PlaneMetres(metres) => {
+                write!(f, "a receiver plane that corrects by at most {metres} m makes no sense; the limit must be finite and above 0")
+            }
+            Self::ReceiverGradient(number) => {
+                write!(f, "a receiver gradient with {number} makes no sense; its numbers must be finite and at least 0")
+            }
+            Self::SlopeWithReceiverPlane => f.write_str(
+                "the slope bias and the receiver plane are two remedies for the same slope; leave one of them out",
+            ),
             Self::FilterRadius { filter, radius } => {
                 let name = filter.name();
                 match filter.radii() {

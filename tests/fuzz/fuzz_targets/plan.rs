@@ -127,10 +127,10 @@ fn settings(input: &Input) -> ShadowSettings {
         split: if input.split_cube { Split::Cube } else { Split::Single },
         filter: if input.filter_hard { Filter::Hard } else { Filter::Bilinear },
         bias: match input.bias {
-            AnyBias::None => Bias::None,
+            AnyBias::None => Bias::NONE,
             AnyBias::Automatic => Bias::Automatic,
-            AnyBias::Constant { metres } => Bias::Constant { metres: metres.f32() },
-            AnyBias::Slope { scale, metres } => Bias::Slope { scale: scale.f32(), metres: metres.f32() },
+            AnyBias::Constant { metres } => Bias::constant(metres.f32()),
+            AnyBias::Slope { scale, metres } => Bias::slope(scale.f32(), metres.f32()),
         },
         map_size: input.map_size.into(),
         ..ShadowSettings::default()

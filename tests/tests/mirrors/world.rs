@@ -169,7 +169,10 @@ impl World {
         for_each_weighted_tap(light, lookup, |tap| {
             tie |= inside(tap.x)
                 && inside(tap.y)
-                && (lookup.depth - lookup.bias - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)).abs()
+                && (tap_depth(light, lookup, tap.x, tap.y)
+                    - lookup.bias
+                    - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32))
+                .abs()
                     < TIE + lost;
         });
         if tie { f32::INFINITY } else { 1.0 }
@@ -287,17 +290,37 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
         views.extend_from_slice(&lent[..plan.view_count as usize]);
         lights.push(plan);
     };
-    for bias in [Bias::Automatic, Bias::Slope { scale: 1.0, metres: 0.01 }, Bias::Constant { metres: 0.02 }, Bias::None] {
+    for bias in [Bias::Automatic, Bias::slope(1.0, 0.01), Bias::constant(0.02), Bias::NONE] {
         for filter in [Filter::Hard, Filter::Bilinear] {
             for kind in kinds {
                 add(kind, bias, filter);
             }
         }
     }
+    // Every part of a bias, alone and together.
+    let gradient = ReceiverGradient { fixed: 0.01, clamp: 0.2, scale: 0.5 };
+    for parts in [
+        BiasParts { normal_offset: Some(1.5), ..BiasParts::NONE },
+        BiasParts { receiver_plane: Some(0.5), ..BiasParts::NONE },
+        BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE },
+        BiasParts {
+            constant: Some(0.01),
+            normal_offset: Some(1.0),
+            receiver_plane: Some(2.0),
+            receiver_gradient: Some(gradient),
+            slope: None,
+        },
+    ] {
+        for filter in [Filter::Hard, Filter::Bilinear, Filter::Box3, Filter::Footprint] {
+            for kind in [kinds[1], kinds[2], kinds[5]] {
+                add(kind, Bias::Parts(parts), filter);
+            }
+        }
+    }
     // The guard bands of wide filters under the automatic bias would leave nothing of maps as small as these.
     for filter in Filter::ALL.into_iter().filter(|filter| !matches!(filter, Filter::Hard | Filter::Bilinear)) {
         for kind in [kinds[1], kinds[2], kinds[5]] {
-            add(kind, Bias::Slope { scale: 1.0, metres: 0.01 }, filter);
+            add(kind, Bias::slope(1.0, 0.01), filter);
         }
     }
     // A part of the layer, as an atlas has it.
@@ -438,7 +461,7 @@ pub(super) fn magnitude_of_bias(
         view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
     };
     let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w, footprint), w) + reach;
-    if light.bias == BIAS_SLOPE || light.bias == BIAS_AUTOMATIC {
+    if light.bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE) != 0 {
         let gradient = magnitude_of_gradient(view, point, normal);
         let texels = light.slope_scale * reach_of(light, footprint) + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
         magnitude += (gradient.x + gradient.y) * texels;
