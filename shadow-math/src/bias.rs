@@ -312,6 +312,28 @@ mod tests {
         }
     }
 
+    /// A texel's width where the receiver is, times the sine of the angle, and nothing where the light stands over the surface.
+    #[test]
+    fn a_normal_step_is_texels_times_the_sine() {
+        let light = LightPlan {
+            kind: crate::plan::LIGHT_POINT,
+            position: [0.0, 5.0, 0.0],
+            bias: BIAS_NORMAL_OFFSET,
+            normal_texels: 2.0,
+            ..LightPlan::default()
+        };
+        let view = ViewPlan { texel_metres: [0.01, 0.02], ..ViewPlan::default() };
+        for (degrees, w) in [(0.0_f32, 5.0), (30.0, 5.0), (80.0, 2.5)] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let normal = Vec3::new(sine, cosine, 0.0);
+            let step = normal_step(&light, &view, Vec3::ZERO, normal, w);
+            // One minus the cosine's square loses half of the digits where the sine is small.
+            assert!((step - 2.0 * 0.02 * w * sine).abs() < 1e-4, "{degrees} degrees: {step}");
+        }
+        let without = LightPlan { bias: BIAS_SLOPE, ..light };
+        assert_eq!(normal_step(&without, &view, Vec3::ZERO, Vec3::X, 5.0), 0.0);
+    }
+
     #[test]
     fn a_length_in_metres_is_that_length_at_every_distance() {
         let view = &views()[1];

@@ -363,6 +363,62 @@ mod tests {
         assert_eq!([6.9, 7.1, 8.0, 8.9, 9.0].map(|x| test_at(Filter::Cross5, x)), [0.0, 0.2, 0.8, 0.8, 1.0]);
     }
 
+    /// A plane that falls along x by 0.01 a texel, as a map has it.
+    struct Ramp;
+
+    impl MapAccess for Ramp {
+        fn fetch_texel(&self, _layer: u32, x: u32, _y: u32) -> f32 {
+            0.1 + 0.01 * (x as f32 + 0.5)
+        }
+    }
+
+    /// Compared with the receiver's own plane no tap of it is shadowed, however wide the filter; corrected by less it is.
+    #[test]
+    fn taps_of_the_receivers_plane_are_lit() {
+        for filter in Filter::ALL {
+            let light = LightPlan { bias: BIAS_RECEIVER_PLANE, ..light(filter) };
+            let lookup = Lookup {
+                texel: Vec2::new(20.8, 30.8),
+                depth: 0.1 + 0.01 * 20.8,
+                // What f32 makes of the plane's own depths.
+                bias: 1e-6,
+                turn: Vec2::X,
+                footprint: [Vec2::new(3.0, 1.0), Vec2::new(-1.0, 2.0)],
+                slope: Vec2::new(0.01, 0.0),
+                slope_limit: 0.2,
+                ..Lookup::default()
+            };
+            assert_eq!(filtered_test(&Ramp, &view(), &light, &lookup), 1.0, "{filter:?}");
+            let limited = Lookup { slope_limit: 0.001, ..lookup };
+            assert!(filtered_test(&Ramp, &view(), &light, &limited) < 1.0, "{filter:?}");
+            let without = LightPlan { bias: 0, ..light };
+            assert!(filtered_test(&Ramp, &view(), &without, &lookup) < 1.0, "{filter:?}");
+        }
+        // Nothing is compared beyond the far plane.
+        let light = LightPlan { bias: BIAS_RECEIVER_PLANE, ..light(Filter::Hard) };
+        let far = Lookup {
+            texel: Vec2::new(4.0, 4.0),
+            depth: 0.995,
+            slope: Vec2::new(0.1, 0.0),
+            slope_limit: 1.0,
+            ..Lookup::default()
+        };
+        assert_eq!(tap_depth(&light, &far, 4, 4), 1.0);
+    }
+
+    /// OGRE 1.12's receiver, by its own formula on a ramp: neighbours differ by two texels' slope, the clamp cuts that, and the fixed part is a share of the depth.
+    #[test]
+    fn the_stored_gradient_is_that_of_the_ramp() {
+        let texel = Vec2::new(20.3, 30.8);
+        let stored = 0.1 + 0.01 * 20.5;
+        for (clamp, difference) in [(1.0, 0.02), (0.005, 0.005)] {
+            let light = LightPlan { gradient_fixed: 0.5, gradient_clamp: clamp, gradient_scale: 3.0, ..LightPlan::default() };
+            let found = stored_gradient(&Ramp, &view(), &light, texel);
+            let expected = 3.0 * difference + 0.5 * stored;
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
+    }
+
     #[test]
     fn equal_is_lit_and_so_is_the_outside() {
         assert_eq!(depth_test(&Step, &view(), 3, 3, 0.2, 0.0), 1.0);

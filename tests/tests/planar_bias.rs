@@ -9,6 +9,7 @@ use shadow_math::{
     bounds::Aabb,
     filter::support,
     plan::{PixelRays, ViewPlan},
+    settings::BiasParts,
     vector::row_times_point,
     visibility,
     visibility::{NO_VIEW, lookup},
@@ -253,6 +254,9 @@ fn no_lookup_on_a_lit_plane_is_shadowed() {
     no_lookup_is_shadowed(Bias::Automatic, MIN_COSINE..1.0, 400);
     // The automatic bias moves lookups along the normal for the most grazing light alone: tan 24 is a cosine of 0.042.
     no_lookup_is_shadowed(Bias::Automatic, MIN_COSINE..0.06, 400);
+    // A receiver plane that may correct by as much as there is needs no more than what rounding takes.
+    let plane = BiasParts { receiver_plane: Some(1e4), ..BiasParts::NONE };
+    no_lookup_is_shadowed(Bias::Parts(plane), MIN_COSINE..1.0, 400);
 }
 
 fn no_lookup_is_shadowed(bias: Bias, cosines: core::ops::Range<f64>, cases: u32) {
