@@ -1,11 +1,16 @@
 //! What the literature gets wrong, each error shown by a number. `docs/errata.md` lists them.
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 use shadow_math::{
+    Bias, Filter, Light, LightKind, MapAccess, ShadowSettings,
     bias::{depth_per_view_z, gradient_by_jacobian, gradient_by_plane},
     bounds::Aabb,
+    filter::{filtered_test, stored_gradient},
     fit::{ViewFit, directional_view, spot_view},
+    plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_light},
+    settings::{BiasParts, ReceiverGradient},
     spaces::{ClipDepth, texel_from_clip},
+    visibility::Lookup,
 };
 
 const SIZE: u32 = 512;
@@ -108,4 +113,95 @@ fn sixteen_bits_of_an_unlimited_directional_light_are_metres() {
     let step = |near: f64| 2.0 / (epsilon / near) / 65_535.0;
     assert!((step(0.5) - 1.526).abs() < 1e-3, "{}", step(0.5));
     assert!((step(0.1) - 0.305).abs() < 1e-3, "{}", step(0.1));
+}
+
+/// A map of a plane whose depth changes by `slope` from texel to texel.
+struct PlaneMap {
+    slope: Vec2,
+}
+
+impl PlaneMap {
+    fn depth_at(&self, texel: Vec2) -> f32 {
+        0.3 + self.slope.dot(texel)
+    }
+}
+
+impl MapAccess for PlaneMap {
+    fn fetch_texel(&self, _layer: u32, x: u32, y: u32) -> f32 {
+        self.depth_at(Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+    }
+}
+
+/// The plan of a light with these settings over a box, and a view of 64 texels.
+fn planned(settings: &ShadowSettings) -> (LightPlan, ViewPlan) {
+    let kind = LightKind::Directional { direction: Vec3::NEG_Y };
+    let light = Light { kind, color: Vec3::ONE, intensity: 1.0 };
+    let bounds = Aabb::new(Vec3::splat(-1.0), Vec3::ONE);
+    let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+    let settings = ShadowSettings { map_size: 64, ..*settings };
+    let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light can be planned");
+    (plan, views[0])
+}
+
+/// The page of 1.12 says that its shader computes the bias from the derivation. It takes differences of neighbouring depths, twice the larger slope where the sum of both
+/// is needed times the filter's reach; and by its own defaults it takes none of them.
+#[test]
+fn the_receiver_of_1_12_takes_differences_and_scales_them_by_nothing() {
+    let of_sample = |gradient| {
+        let parts = BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE };
+        planned(&ShadowSettings { bias: Bias::Parts(parts), ..ShadowSettings::default() })
+    };
+    let texel = Vec2::new(30.2, 20.9);
+    let (plan, view) = of_sample(ReceiverGradient::default());
+    let flat = stored_gradient(&PlaneMap { slope: Vec2::ZERO }, &view, &plan, texel);
+    for slope in [Vec2::new(0.001, 0.0), Vec2::new(0.002, -0.003)] {
+        let map = PlaneMap { slope };
+        let found = stored_gradient(&map, &view, &plan, texel);
+        let fixed = 0.0005 * map.depth_at(Vec2::new(30.5, 20.5));
+        assert!((found - fixed).abs() < 1e-7, "the default is a share of the depth, whatever the slope: {found} {fixed}");
+        let (plan, view) = of_sample(ReceiverGradient { fixed: 0.0, clamp: 1.0, scale: 1.0 });
+        let found = stored_gradient(&map, &view, &plan, texel);
+        assert!((found - 2.0 * slope.abs().max_element()).abs() < 1e-6, "{found}");
+    }
+    assert!((flat - 0.0005 * 0.3).abs() < 1e-7);
+    // With a bias of twice the larger slope planes are lit under the cross, which needs half of both and one of the larger; a plane that is steep along both axes is not lit under a
+    // box of five.
+    let steep = PlaneMap { slope: Vec2::new(0.004, 0.004) };
+    let gradient = ReceiverGradient { fixed: 0.0, clamp: 1.0, scale: 1.0 };
+    for (filter, is_enough) in [(Filter::Cross5, true), (Filter::Box5, false)] {
+        let parts = BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE };
+        let (plan, view) = planned(&ShadowSettings { filter, bias: Bias::Parts(parts), ..ShadowSettings::default() });
+        let lit = (0..400_u16).all(|step| {
+            let texel = Vec2::new(30.0 + f32::from(step % 20) / 20.0, 30.0 + f32::from(step / 20) / 20.0);
+            let bias = stored_gradient(&steep, &view, &plan, texel) + 1e-6;
+            filtered_test(&steep, &view, &plan, &Lookup { texel, depth: steep.depth_at(texel), bias, ..Lookup::default() }) == 1.0
+        });
+        assert_eq!(lit, is_enough, "{filter:?}");
+    }
+}
+
+/// The texts call the five taps of their shaders a bilinear analogue. Bilinear weights follow the lookup and change without a step; the cross has steps of a fifth or more at every texel's border,
+/// and nothing in between.
+#[test]
+fn five_taps_in_a_cross_are_not_bilinear() {
+    /// Half of the map is in shadow.
+    struct Edge;
+    impl MapAccess for Edge {
+        fn fetch_texel(&self, _layer: u32, x: u32, _y: u32) -> f32 {
+            if x < 30 { 0.0 } else { 1.0 }
+        }
+    }
+    let steps = |filter: Filter| {
+        let (plan, view) = planned(&ShadowSettings { filter, ..ShadowSettings::default() });
+        let at =
+            |x: f32| filtered_test(&Edge, &view, &plan, &Lookup { texel: Vec2::new(x, 20.3), depth: 0.5, ..Lookup::default() });
+        let values: Vec<f32> = (0..400_u16).map(|step| at(28.0 + f32::from(step) / 100.0)).collect();
+        let largest = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
+        let changes = values.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        (largest, changes)
+    };
+    let (largest, changes) = steps(Filter::Cross5);
+    assert!(largest > 0.19 && changes == 3, "{largest} {changes}");
+    let (largest, changes) = steps(Filter::Bilinear);
+    assert!(largest < 0.011 && changes > 90, "{largest} {changes}");
 }
