@@ -11,6 +11,9 @@
 //! | Poisson, Vogel | sixteen in a disc, turned from pixel to pixel | Cook 1986; Vogel 1979 |
 //! | footprint | all over the pixel's image in the map | what Reeves et al. describe |
 //!
+//! A footprint's tests lie half a texel apart: for pixels of up to 14 texels they are off from the mean over the parallelogram by 0.012 on an outline, and by 0.023 where every texel is its own caster
+//! (root of the mean square; at most by 0.11 and 0.15).
+//!
 //! Kernels are whole numbers, and so every sum of them is exact: where all tests are alike, the mean is exactly 0 or 1.
 //!
 //! Each has its [`support`]: with a plane's depth gradient it says how much bias the plane needs under the filter.
@@ -501,6 +504,54 @@ mod tests {
             // Texels of 40 in f32, times the gradient.
             prop_assert!(most <= need + 1e-6, "{most} {need}");
         }
+    }
+
+    /// A footprint against 64 by 64 tests in the same parallelogram: how far it is off on noise, where every texel is its own, and on an outline. Its tests lie half a texel apart.
+    #[test]
+    fn a_footprint_is_the_mean_over_its_parallelogram() {
+        /// Half of the map is in shadow, along a line that leans.
+        struct Outline;
+        impl MapAccess for Outline {
+            fn fetch_texel(&self, _layer: u32, x: u32, y: u32) -> f32 {
+                if 2 * x + y < 90 { 0.2 } else { 0.8 }
+            }
+        }
+        let light = light(Filter::Footprint);
+        let (mut noise, mut outline) = ([0.0_f32; 2], [0.0_f32; 2]);
+        let count = 2000_u32;
+        for step in 0..count {
+            let at = |prime: u32| (step.wrapping_mul(prime) % 65_521) as f32 / 65_521.0;
+            let side = |a: u32, b: u32| Vec2::new(at(a) * 14.0 - 7.0, at(b) * 14.0 - 7.0);
+            let lookup = Lookup {
+                texel: Vec2::new(26.0 + 8.0 * at(104_729), 26.0 + 8.0 * at(1_299_709)),
+                depth: 0.5,
+                footprint: [side(7919, 15_485_863), side(611_953, 32_452_843)],
+                ..Lookup::default()
+            };
+            let fine = |maps: &dyn Fn(i32, i32) -> f32| {
+                let places = (0..64).flat_map(|row| (0..64).map(move |column| [column, row]));
+                let lit: f32 = places
+                    .map(|at| {
+                        let place = footprint_place(&lookup, at, [64, 64]).floor();
+                        maps(place.x as i32, place.y as i32)
+                    })
+                    .sum();
+                lit / 4096.0
+            };
+            let errors = [
+                filtered_test(&Noise { x: 0, y: 0 }, &view(), &light, &lookup)
+                    - fine(&|x, y| depth_test(&Noise { x: 0, y: 0 }, &view(), x, y, 0.5, 0.0)),
+                filtered_test(&Outline, &view(), &light, &lookup) - fine(&|x, y| depth_test(&Outline, &view(), x, y, 0.5, 0.0)),
+            ];
+            for (error, sums) in errors.into_iter().zip([&mut noise, &mut outline]) {
+                sums[0] = sums[0].max(error.abs());
+                sums[1] += error * error / count as f32;
+            }
+        }
+        // Stated in the module: measured here, with a tenth more.
+        let [noise_rms, outline_rms] = [noise[1].sqrt(), outline[1].sqrt()];
+        assert!(noise_rms < 0.026 && noise[0] < 0.165, "on noise: rms {noise_rms}, at most {}", noise[0]);
+        assert!(outline_rms < 0.0135 && outline[0] < 0.12, "on an outline: rms {outline_rms}, at most {}", outline[0]);
     }
 
     /// The support is no more than is needed: over many lookups some tap comes within a few per cent of it.
