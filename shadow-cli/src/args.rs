@@ -262,7 +262,7 @@ pub(crate) struct BiasArgs {
     /// automatic is what the receiver's plane needs under the filter, by depth or along its normal: there is nothing to tune. none shows self-shadowing as it is. The parts, which add
     /// up, are constant (the same length everywhere), slope (what the receiver's plane needs, by depth alone), normal-offset (a step along the normal, in texels times the sine
     /// of its angle with the light), receiver-plane (each tap is compared with the depth that the receiver's plane has there; not with slope) and receiver-gradient (what
-    /// OGRE 1.12's sample reads off the map).
+    /// OGRE 1.12's sample reads off the map) and back-faces (of single-sided casters the map has the back faces alone).
     #[arg(long, value_name = "BIAS", default_value_t = BiasNames::default(), help_heading = "Shadows")]
     pub(crate) bias: BiasNames,
 

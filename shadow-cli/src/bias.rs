@@ -24,10 +24,11 @@ pub(crate) enum BiasName {
     NormalOffset,
     ReceiverPlane,
     ReceiverGradient,
+    BackFaces,
 }
 
 impl BiasName {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Automatic,
         Self::None,
         Self::Constant,
@@ -35,6 +36,7 @@ impl BiasName {
         Self::NormalOffset,
         Self::ReceiverPlane,
         Self::ReceiverGradient,
+        Self::BackFaces,
     ];
 
     fn name(self) -> &'static str {
@@ -46,6 +48,7 @@ impl BiasName {
             Self::NormalOffset => "normal-offset",
             Self::ReceiverPlane => "receiver-plane",
             Self::ReceiverGradient => "receiver-gradient",
+            Self::BackFaces => "back-faces",
         }
     }
 }
@@ -147,6 +150,7 @@ impl BiasNames {
             [fixed, clamp, scale]
         });
         Ok(Bias::Parts(BiasParts {
+            back_faces: has(BiasName::BackFaces),
             constant: of(BiasName::Constant, constant.unwrap_or(DEFAULT_CONSTANT_METRES)).or(constant),
             slope: of(BiasName::Slope, scale.unwrap_or(1.0)),
             normal_offset: of(BiasName::NormalOffset, normal.unwrap_or(DEFAULT_NORMAL_TEXELS)),
@@ -161,7 +165,8 @@ impl BiasNames {
 
     /// The names of a bias, and its numbers.
     pub(crate) fn of(bias: Bias) -> (Self, BiasNumbers) {
-        let Bias::Parts(BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient }) = bias else {
+        let Bias::Parts(BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient, back_faces }) = bias
+        else {
             return (Self::default(), BiasNumbers::default());
         };
         let parts = [
@@ -171,6 +176,7 @@ impl BiasNames {
             (BiasName::NormalOffset, normal_offset.is_some()),
             (BiasName::ReceiverPlane, receiver_plane.is_some()),
             (BiasName::ReceiverGradient, receiver_gradient.is_some()),
+            (BiasName::BackFaces, back_faces),
         ];
         let mut names: Vec<_> = parts.into_iter().filter_map(|(name, is_there)| is_there.then_some(name)).collect();
         if names.is_empty() {
@@ -232,6 +238,7 @@ mod tests {
             ("constant", BiasNumbers { constant: Some(0.5), ..BiasNumbers::default() }),
             ("slope", BiasNumbers { scale: Some(2.0), constant: Some(0.1), ..BiasNumbers::default() }),
             ("normal-offset+receiver-plane", BiasNumbers { normal: Some(2.0), limit: Some(0.3), ..BiasNumbers::default() }),
+            ("normal-offset+back-faces", BiasNumbers { normal: Some(0.5), ..BiasNumbers::default() }),
             ("constant+receiver-gradient", BiasNumbers { constant: Some(0.5), ..gradient }),
         ] {
             let bias = named(text).with(&numbers).expect(text);

@@ -49,6 +49,7 @@ filter = "bilinear"
 #   "normal-offset"      a step of bias-normal along the normal
 #   "receiver-plane"     each tap is compared with the plane's depth there, corrected by at most bias-limit; not with "slope"
 #   "receiver-gradient"  what OGRE 1.12's sample reads off the map
+#   "back-faces"         of single-sided casters the map has the back faces alone
 bias = "automatic"
 
 # Metres along the light's view axis, with "constant" (0.01 if left out) or "slope" (0 if left out).

@@ -14,7 +14,7 @@ use std::{
 use divan::{Bencher, Divan, black_box, counter::ItemsCount};
 use shadow_cpu::{
     CpuRenderer, PreparedScene, RasterRules,
-    raster::{NoAlphaTest, Positions, Run, Scratch, Target, rasterize_depth},
+    raster::{Culling, NoAlphaTest, Positions, Run, Scratch, Target, rasterize_depth},
 };
 use shadow_math::{Filter, ShadowSettings};
 use shadow_scene::{FramePlan, Request, Scene, builtin, import};
@@ -77,7 +77,7 @@ fn bare_pass(bencher: Bencher<'_, '_>, triangles: u32, map_size: u32, draws_tria
     let scene = prepared.view().scene;
     let view = plan(prepared, &ShadowSettings::default()).views[0];
     let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: map_size, height: map_size };
-    let all = Run { triangles: 0..scene.triangles().len() as u32, culls_back_faces: false, is_masked: false };
+    let all = Run { triangles: 0..scene.triangles().len() as u32, culling: Culling::None, is_masked: false };
     let runs = if draws_triangles { vec![all] } else { Vec::new() };
     let positions = Positions::new(&scene.vertices().positions);
     let mut scratch = Scratch::default();

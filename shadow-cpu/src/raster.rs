@@ -19,4 +19,5 @@ mod transform;
 
 pub use pass::{AlphaTest, MAX_TARGET_SIZE, NoAlphaTest, Run, Scratch, Target, rasterize_depth, rasterize_visibility};
 pub use rules::{ClipRule, DepthPlaneRule, RasterRules};
+pub use setup::Culling;
 pub use transform::Positions;

@@ -6,11 +6,12 @@ use std::{
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use shadow_math::plan::{BIAS_BACK_FACES, ViewPlan};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 
 use crate::{
     buffer::{Buffer, Pool},
-    raster::{MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_visibility},
+    raster::{Culling, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_visibility},
     resolve::{Resolved, SceneAlphaTest, SceneView, ShadingVertices, ShadowMaps, resolve, resolve_color},
 };
 
@@ -147,8 +148,7 @@ impl CpuRenderer {
         let layers = plan.views.iter().map(|view| {
             let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
-            // Casters are never culled: a single-sided wall shadows from behind too.
-            let runs = runs(prepared.scene, false);
+            let runs = runs(prepared.scene, caster_culling(plan, view));
             let mut depth = self.floats.take(size as usize * size as usize);
             self.threads.install(|| {
                 let triangles = prepared.scene.triangles();
@@ -177,7 +177,7 @@ impl CpuRenderer {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let scratch = &mut *scratch;
         let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &camera.rays };
-        let runs = runs(prepared.scene, true);
+        let runs = runs(prepared.scene, Culling::Back);
         let pixels = camera.width as usize * camera.height as usize;
         let mut buffer = CameraBuffer { triangles: self.triangles.take(pixels), depth: self.floats.take(pixels) };
         self.threads.install(|| {
@@ -288,13 +288,22 @@ impl CpuRenderer {
     }
 }
 
+/// Which single-sided casters a view leaves out: none, for a single-sided wall shadows from behind too, unless its light takes back faces alone.
+fn caster_culling(plan: &FramePlan, view: &ViewPlan) -> Culling {
+    let takes_back_faces = plan.lights.iter().any(|light| {
+        let views = light.first_view..light.first_view + light.view_count;
+        light.bias & BIAS_BACK_FACES != 0 && views.contains(&view.layer)
+    });
+    if takes_back_faces { Culling::Front } else { Culling::None }
+}
+
 /// The runs of triangles that a pass over the scene draws.
-fn runs(scene: &Scene, cull_single_sided: bool) -> Vec<Run> {
+fn runs(scene: &Scene, of_single_sided: Culling) -> Vec<Run> {
     Pass::ALL
         .iter()
         .map(|&pass| Run {
             triangles: scene.pass_triangles(pass),
-            culls_back_faces: cull_single_sided && pass.culls_back_faces(),
+            culling: if pass.culls_back_faces() { of_single_sided } else { Culling::None },
             is_masked: pass.is_masked(),
         })
         .collect()

@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use shadow_cpu::raster::{ClipRule, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Scratch, Target, rasterize_depth};
+use shadow_cpu::raster::{
+    ClipRule, Culling, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Scratch, Target, rasterize_depth,
+};
 
 /// A target whose clip space is the world's x, y, z with w = 1.
 fn flat(width: u32, height: u32) -> Target {
@@ -11,7 +13,11 @@ fn flat(width: u32, height: u32) -> Target {
 }
 
 fn covered(positions: &[Vec3], triangles: &[[u32; 3]], target: &Target, rules: &RasterRules) -> Vec<f32> {
-    let run = Run { triangles: 0..triangles.len() as u32, culls_back_faces: false, is_masked: false };
+    culled(positions, triangles, target, rules, Culling::None)
+}
+
+fn culled(positions: &[Vec3], triangles: &[[u32; 3]], target: &Target, rules: &RasterRules, culling: Culling) -> Vec<f32> {
+    let run = Run { triangles: 0..triangles.len() as u32, culling, is_masked: false };
     let mut depth = vec![0.0; (target.width * target.height) as usize];
     rasterize_depth(
         &mut Scratch::default(),
@@ -38,6 +44,25 @@ fn rules() -> impl Strategy<Value = RasterRules> {
 }
 
 proptest! {
+    /// Every triangle is a front face or a back face and never both: what either culling leaves is, together, what none leaves. Turned around, it is the other.
+    #[test]
+    fn each_triangle_faces_one_way(
+        corners in prop::array::uniform9(-1.2..1.2_f32),
+        size in (1..150_u32, 1..150_u32),
+        rules in rules(),
+    ) {
+        let target = flat(size.0, size.1);
+        let positions: Vec<Vec3> = corners.chunks_exact(3).map(|xyz| Vec3::new(xyz[0], xyz[1], 0.5 + 0.3 * xyz[2])).collect();
+        let drawn = |triangle, culling| culled(&positions, &[triangle], &target, &rules, culling);
+        let [all, fronts, backs] = [Culling::None, Culling::Back, Culling::Front].map(|culling| drawn([0, 1, 2], culling));
+        let nothing = vec![1.0; all.len()];
+        prop_assert!(fronts == nothing || backs == nothing);
+        let together: Vec<f32> = fronts.iter().zip(&backs).map(|(&front, &back)| f32::min(front, back)).collect();
+        prop_assert_eq!(&together, &all);
+        let is_covered = |depths: &[f32]| depths.iter().map(|&depth| depth < 1.0).collect::<Vec<_>>();
+        prop_assert_eq!(is_covered(&drawn([0, 2, 1], Culling::Front)), is_covered(&fronts));
+    }
+
     /// A fan of triangles that share a vertex covers every pixel of the square around it exactly once: the top-left rule.
     #[test]
     fn shared_edges_are_covered_once(

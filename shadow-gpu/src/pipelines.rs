@@ -28,8 +28,8 @@ pub(crate) struct Layouts {
 /// One pipeline for each kind of run of triangles, and one for each compute pass.
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
-    pub(crate) map_opaque: wgpu::RenderPipeline,
-    pub(crate) map_masked: wgpu::RenderPipeline,
+    /// By `[is_masked][takes_back_faces_alone]`.
+    pub(crate) map: [[wgpu::RenderPipeline; 2]; 2],
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
     pub(crate) visibility: wgpu::RenderPipeline,
@@ -221,27 +221,29 @@ impl Pipelines {
         let layouts = Layouts::new(device);
         let map_layout = pipeline_layout(device, "shadow map", &[&layouts.geometry, &layouts.surfaces, &layouts.views]);
         let map_module = module(device, "shadow map", SHADOW_MAP_MODULE);
-        let map_style = RenderStyle {
-            label: "shadow map, opaque",
-            layout: &map_layout,
-            module: &map_module,
-            vertex: "opaque_vertex",
-            fragment: None,
-            positions_as_attribute: true,
-            target: None,
-            depth_compare: wgpu::CompareFunction::Less,
+        let map_pipeline = |label: &str, is_masked: bool, fragment: Option<&str>| {
+            let style = RenderStyle {
+                label,
+                layout: &map_layout,
+                module: &map_module,
+                vertex: if is_masked { "masked_vertex" } else { "opaque_vertex" },
+                fragment,
+                positions_as_attribute: !is_masked,
+                target: None,
+                depth_compare: wgpu::CompareFunction::Less,
+            };
+            render_pipeline(device, &style)
         };
-        let map_opaque = render_pipeline(device, &map_style);
-        let map_masked = render_pipeline(
-            device,
-            &RenderStyle {
-                label: "shadow map, masked",
-                vertex: "masked_vertex",
-                fragment: Some("masked_fragment"),
-                positions_as_attribute: false,
-                ..map_style
-            },
-        );
+        let map = [
+            [
+                map_pipeline("shadow map, opaque", false, None),
+                map_pipeline("shadow map, opaque, back faces", false, Some("opaque_back_fragment")),
+            ],
+            [
+                map_pipeline("shadow map, masked", true, Some("masked_fragment")),
+                map_pipeline("shadow map, masked, back faces", true, Some("masked_back_fragment")),
+            ],
+        ];
 
         let camera_layout = pipeline_layout(device, "camera", &[&layouts.geometry, &layouts.surfaces, &layouts.camera]);
         let camera_module = module(device, "camera", CAMERA_MODULE);
@@ -270,8 +272,7 @@ impl Pipelines {
             ],
         ];
         Self {
-            map_opaque,
-            map_masked,
+            map,
             camera,
             visibility: full_screen_pipeline(
                 device,

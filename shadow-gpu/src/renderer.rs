@@ -5,7 +5,7 @@ mod readback;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use shadow_math::{
-    plan::{LightPlan, ViewPlan},
+    plan::{BIAS_BACK_FACES, LightPlan, ViewPlan},
     shade::BACKGROUND,
 };
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
@@ -300,6 +300,10 @@ impl GpuRenderer {
         let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
         let mut encoder = self.encoder("shadow maps");
         for view in 0..plan.views.len() as u32 {
+            let takes_back_faces = plan.lights.iter().any(|light| {
+                let views = light.first_view..light.first_view + light.view_count;
+                light.bias & BIAS_BACK_FACES != 0 && views.contains(&view)
+            });
             let layer = texture.create_view(&wgpu::TextureViewDescriptor {
                 label: Some("shadow map"),
                 dimension: Some(wgpu::TextureViewDimension::D2),
@@ -324,11 +328,11 @@ impl GpuRenderer {
                     continue;
                 }
                 let corners = 3 * triangles.start..3 * triangles.end;
+                let takes_back_faces_alone = takes_back_faces && run.culls_back_faces();
+                pass.set_pipeline(&self.pipelines.map[usize::from(run.is_masked())][usize::from(takes_back_faces_alone)]);
                 if run.is_masked() {
-                    pass.set_pipeline(&self.pipelines.map_masked);
                     pass.draw(corners, view..view + 1);
                 } else {
-                    pass.set_pipeline(&self.pipelines.map_opaque);
                     pass.draw_indexed(corners, 0, view..view + 1);
                 }
             }

@@ -87,12 +87,21 @@ pub struct BiasParts {
     pub receiver_plane: Option<f32>,
     /// What OGRE 1.12's sample does in its receiver.
     pub receiver_gradient: Option<ReceiverGradient>,
+    /// Of single-sided casters only the back faces are drawn into the map: a closed caster's own thickness is then the bias of its lit side. Where it is thin, open or touches
+    /// what it shadows, the acne is on the other side, or light leaks in. OGRE and three.js do so by default.
+    pub back_faces: bool,
 }
 
 impl BiasParts {
     /// No part.
-    pub const NONE: Self =
-        Self { constant: None, slope: None, normal_offset: None, receiver_plane: None, receiver_gradient: None };
+    pub const NONE: Self = Self {
+        constant: None,
+        slope: None,
+        normal_offset: None,
+        receiver_plane: None,
+        receiver_gradient: None,
+        back_faces: false,
+    };
 }
 
 /// A bias that is read off the map: `scale * min(clamp, max(|d_right - d_left|, |d_below - d_above|)) + fixed * d` of the depths d in and around the lookup's texel.

@@ -66,6 +66,7 @@ fn built_in_scenes_agree_under_every_setting() {
             normal_offset: Some(1.0),
             receiver_plane: Some(0.1),
             receiver_gradient: Some(gradient),
+            back_faces: true,
             ..BiasParts::NONE
         };
         for (bias_name, parts) in [
@@ -74,6 +75,7 @@ fn built_in_scenes_agree_under_every_setting() {
             ("normal-offset", BiasParts { normal_offset: Some(1.5), ..BiasParts::NONE }),
             ("receiver-plane", BiasParts { receiver_plane: Some(0.2), ..BiasParts::NONE }),
             ("receiver-gradient", BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE }),
+            ("back-faces", BiasParts { back_faces: true, ..BiasParts::NONE }),
             ("all", all),
         ] {
             for filter in [Filter::Hard, Filter::Bilinear, Filter::Witness5, Filter::Vogel] {

@@ -10,7 +10,10 @@ use std::{
 
 use shadow_cpu::{CpuRenderer, PreparedScene};
 use shadow_gpu::GpuScene;
-use shadow_math::{Filter, ShadowSettings};
+use shadow_math::{
+    Bias, Filter, ShadowSettings,
+    settings::{BiasParts, ReceiverGradient},
+};
 use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
 use shadow_tests::{
     lights::one_of_each,
@@ -97,18 +100,19 @@ impl Sweep {
 
     /// Renders a scene under the lights that it has with everything there is, and compares.
     fn lit_scene(&mut self, case: &str, scene: &Scene, prepared: &PreparedScene<'_>, uploaded: &GpuScene) {
-        // The filters take turns, so that each meets scenes of every kind; at full size the default meets all of them, and every other one a small picture of them.
-        let turn = Filter::ALL[self.tally.comparisons % Filter::ALL.len()];
-        let default = (Filter::default(), self.sizes);
-        let others = Filter::ALL.into_iter().filter(|&filter| filter != Filter::default());
+        // Filters and biases take turns, so that each meets scenes of every kind; at full size the default meets all of them, and every other filter a small picture of them.
+        let turn = self.tally.comparisons;
         let chosen: Vec<_> = if is_full() {
-            std::iter::once(default).chain(others.map(|filter| (filter, Sizes::SMALL))).collect()
+            let others = Filter::ALL.into_iter().filter(|&filter| filter != Filter::default());
+            let small = others.enumerate().map(|(index, filter)| (filter, bias(turn + index), Sizes::SMALL));
+            std::iter::once((Filter::default(), Bias::Automatic, self.sizes)).chain(small).collect()
         } else {
-            vec![(turn, self.sizes)]
+            vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes)]
         };
-        for (filter, sizes) in chosen {
-            let case = format!("{case} {}", filter.name());
-            match self.compare(&case, scene, filter, sizes, prepared, uploaded) {
+        for (filter, bias, sizes) in chosen {
+            let case = format!("{case} {} {bias:?}", filter.name());
+            let settings = ShadowSettings { filter, bias, map_size: sizes.map, ..ShadowSettings::default() };
+            match self.compare(&case, scene, &settings, sizes.picture, prepared, uploaded) {
                 Ok(layers) => {
                     self.tally.comparisons += 1;
                     self.tally.layers += layers;
@@ -123,16 +127,14 @@ impl Sweep {
         &self,
         case: &str,
         scene: &Scene,
-        filter: Filter,
-        sizes: Sizes,
+        settings: &ShadowSettings,
+        (width, height): (u32, u32),
         prepared: &PreparedScene<'_>,
         uploaded: &GpuScene,
     ) -> Result<usize, String> {
         let failed = |error: &dyn std::error::Error| format!("{case}: {error}");
-        let settings = ShadowSettings { filter, map_size: sizes.map, ..ShadowSettings::default() };
-        let (width, height) = sizes.picture;
         let plan =
-            FramePlan::new(scene, &scene.cameras()[0].camera, &settings, width, height, None).map_err(|error| failed(&error))?;
+            FramePlan::new(scene, &scene.cameras()[0].camera, settings, width, height, None).map_err(|error| failed(&error))?;
         let on_cpu = |renderer: &CpuRenderer| renderer.render(prepared, &plan, Request::ALL).map_err(|error| failed(&error));
         let cpu = on_cpu(&self.cpus[0])?.frame;
         let mut failures = String::new();
@@ -145,6 +147,28 @@ impl Sweep {
         failures += &disagreement(case, &comparison, &cpu, &gpu).unwrap_or_default();
         if failures.is_empty() { Ok(comparison.layers.len()) } else { Err(failures) }
     }
+}
+
+/// The bias of a turn: every second one is the automatic, the others are the parts, alone and all together.
+fn bias(turn: usize) -> Bias {
+    let gradient = ReceiverGradient { scale: 1.0, ..ReceiverGradient::default() };
+    let parts = [
+        BiasParts { constant: Some(0.01), ..BiasParts::NONE },
+        BiasParts { slope: Some(1.0), ..BiasParts::NONE },
+        BiasParts { normal_offset: Some(1.0), ..BiasParts::NONE },
+        BiasParts { receiver_plane: Some(0.2), ..BiasParts::NONE },
+        BiasParts { receiver_gradient: Some(gradient), ..BiasParts::NONE },
+        BiasParts { back_faces: true, ..BiasParts::NONE },
+        BiasParts {
+            constant: Some(0.001),
+            slope: None,
+            normal_offset: Some(0.5),
+            receiver_plane: Some(1.0),
+            receiver_gradient: Some(gradient),
+            back_faces: true,
+        },
+    ];
+    if turn.is_multiple_of(2) { Bias::Automatic } else { Bias::Parts(parts[turn / 2 % parts.len()]) }
 }
 
 /// A line for each layer whose bytes depend on the number of threads.

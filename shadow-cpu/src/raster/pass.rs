@@ -39,8 +39,8 @@ impl AlphaTest for NoAlphaTest {
 pub struct Run {
     /// The indices of the triangles.
     pub triangles: Range<u32>,
-    /// Whether triangles that wind clockwise on the screen are left out.
-    pub culls_back_faces: bool,
+    /// Which of them are left out by how they wind on the screen.
+    pub culling: Culling,
     /// Whether the alpha test decides about each sample.
     pub is_masked: bool,
 }
@@ -210,7 +210,7 @@ impl Kernel for BinKernel<'_> {
     #[inline(always)]
     fn run<L: Lanes, M: MultiplyAdd>(self) {
         let Self { positions, vertices, triangles, run, view, target, rules, bins } = self;
-        let culling = if run.culls_back_faces { Culling::Back } else { Culling::None };
+        let culling = run.culling;
         let extent = Extent { width: target.width, height: target.height };
         let mut waiting = Waiting::default();
         let ids = run.triangles;

@@ -95,13 +95,16 @@ impl<F: Copy + Add<Output = F> + Sub<Output = F> + Mul<Output = F> + Div<Output 
     }
 }
 
-/// Which way a triangle may face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Culling {
-    /// Either way.
+/// Which triangles are left out by the way that they face.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Culling {
+    /// None.
+    #[default]
     None,
-    /// Only counter-clockwise on the screen.
+    /// Those that wind clockwise on the screen: back faces.
     Back,
+    /// Those that wind counter-clockwise on the screen: front faces.
+    Front,
 }
 
 /// The limits of what is drawn.
@@ -186,7 +189,12 @@ pub(crate) fn look_at<L: Lanes>(
     let is_small = limit.greater(high_x - low_x) & limit.greater(high_y - low_y);
     // Wraps where the triangle is not small.
     let area = area_of(x, y);
-    let faces_away = area.equal(zero) | if culling == Culling::Back { zero.greater(area) } else { zero };
+    let culled = match culling {
+        Culling::None => zero,
+        Culling::Back => zero.greater(area),
+        Culling::Front => area.greater(zero),
+    };
+    let faces_away = area.equal(zero) | culled;
 
     let (crosses, outside, misses) = (crosses.negative_bits(), outside.negative_bits(), misses.negative_bits());
     let (is_small, faces_away) = (is_small.negative_bits(), faces_away.negative_bits());
@@ -334,7 +342,7 @@ pub(crate) fn setup_large(
 
     let area = i64::from(v0.grid_x - v1.grid_x) * i64::from(v2.grid_y - v0.grid_y)
         - i64::from(v2.grid_x - v0.grid_x) * i64::from(v0.grid_y - v1.grid_y);
-    if area == 0 || (area < 0 && culling == Culling::Back) {
+    if area == 0 || (area < 0 && culling == Culling::Back) || (area > 0 && culling == Culling::Front) {
         return None;
     }
     let (v1, v2) = if area < 0 { (v2, v1) } else { (v1, v2) };

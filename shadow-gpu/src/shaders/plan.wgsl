@@ -14,6 +14,7 @@ const BIAS_AUTOMATIC: u32 = 4u;
 const BIAS_NORMAL_OFFSET: u32 = 8u;
 const BIAS_RECEIVER_PLANE: u32 = 16u;
 const BIAS_RECEIVER_GRADIENT: u32 = 32u;
+const BIAS_BACK_FACES: u32 = 64u;
 
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;

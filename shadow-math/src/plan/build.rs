@@ -3,8 +3,9 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
-    BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan,
-    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan,
+    BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE,
+    CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE,
+    ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
@@ -204,7 +205,10 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
         plan.slope_scale = 1.0;
         return Ok(());
     };
-    let BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient } = parts;
+    let BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient, back_faces } = parts;
+    if back_faces {
+        plan.bias |= BIAS_BACK_FACES;
+    }
     if let Some(metres) = constant {
         if !at_least_zero(metres) {
             return Err(PlanError::BiasMetres(metres));

@@ -32,6 +32,8 @@ pub const BIAS_NORMAL_OFFSET: u32 = 8;
 pub const BIAS_RECEIVER_PLANE: u32 = 16;
 /// A bit of [`LightPlan::bias`]: differences in the map.
 pub const BIAS_RECEIVER_GRADIENT: u32 = 32;
+/// A bit of [`LightPlan::bias`]: of single-sided casters the map has the back faces alone.
+pub const BIAS_BACK_FACES: u32 = 64;
 
 /// [`LightPlan::filter`]: one test.
 pub const FILTER_HARD: u32 = 0;

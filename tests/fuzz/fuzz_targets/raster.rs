@@ -10,7 +10,7 @@ use arbitrary::Arbitrary;
 use glam::Vec3;
 use libfuzzer_sys::fuzz_target;
 use shadow_cpu::raster::{
-    AlphaTest, ClipRule, DepthPlaneRule, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth,
+    AlphaTest, ClipRule, Culling, DepthPlaneRule, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth,
     rasterize_visibility,
 };
 use shadow_scene::NO_TRIANGLE;
@@ -31,7 +31,7 @@ struct Input {
     triangles: Vec<[u8; 3]>,
     /// Where the second run begins.
     split: u8,
-    culls_back_faces: [bool; 2],
+    culls: [Option<bool>; 2],
     is_masked: [bool; 2],
     alpha: u32,
     subpixel_bits: u8,
@@ -142,7 +142,11 @@ fuzz_target!(|input: Input| {
     let split = u32::from(input.split).min(count);
     let run = |range: core::ops::Range<u32>, which: usize| Run {
         triangles: range,
-        culls_back_faces: input.culls_back_faces[which],
+        culling: match input.culls[which] {
+            None => Culling::None,
+            Some(false) => Culling::Back,
+            Some(true) => Culling::Front,
+        },
         is_masked: input.is_masked[which],
     };
     let (width, height) = size(&input.size);

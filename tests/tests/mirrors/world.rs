@@ -308,7 +308,7 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
             normal_offset: Some(1.0),
             receiver_plane: Some(2.0),
             receiver_gradient: Some(gradient),
-            slope: None,
+            ..BiasParts::NONE
         },
     ] {
         for filter in [Filter::Hard, Filter::Bilinear, Filter::Box3, Filter::Footprint] {
