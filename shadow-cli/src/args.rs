@@ -572,9 +572,9 @@ pub(crate) struct TuneArgs {
     /// acne), `output` and `lights`. Each light has its `name`, `kind`, `maps`, the `acne` of the frame that was rendered, `by_slivers` (pixels shadowed by texels that slivers were drawn into wrongly), `at_terminator` (pixels whose two normals disagree about facing the light), the medians of the
     /// `needed` gap by its parts (`filter`, `snap`, `rounding`, in metres), `onset` (the shares of the automatic bias between which acne begins, `with_acne` and `without`; null where
     /// there is none without any bias, or some with all of it), and its `rules` and `curves` (`automatic`, `constant`), lists of biases that were tried. Each of these has its
-    /// `name`, `what` and `casts_back_faces` (of an engine's), `amount` (a share, or the metres of a constant), `acne`, `peter_panning`, `gap` and `shift` (`pixels`, `median`,
+    /// `name`, `what` and `casts_back_faces` (of an engine's), `amount` (a share, or the metres of a constant), `acne`, `peter_panning`, `leak`, `gap` and `shift` (`pixels`, `median`,
     /// `percentile_95` and `max`, in metres; null where nothing is shadowed any more), `wider` and `shifted` (pixels where they exceed those of the automatic bias) and
-    /// `fails` (any of `acne`, `gap` and `shift`).
+    /// `fails` (any of `acne`, `light`, `gap` and `shift`).
     #[arg(long)]
     pub(crate) json: bool,
 }

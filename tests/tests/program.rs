@@ -271,11 +271,14 @@ fn tune_certifies_the_automatic_bias() {
             let rules = light["rules"].as_array().expect("rules are tried");
             let of_name = |name: &str| rules.iter().find(|rule| rule["name"] == name).expect("it is tried");
             assert_eq!(of_name("automatic")["fails"], serde_json::json!([]));
-            assert_eq!(of_name("three.js")["fails"], serde_json::json!(["acne"]));
+            assert!(of_name("MJP")["acne"].as_u64() < of_name("Godot 4")["acne"].as_u64(), "{rules:?}");
             let of_bevy = of_name("Bevy")["fails"].as_array().expect("it fails");
             assert!(of_bevy.contains(&"shift".into()) && !of_bevy.contains(&"acne".into()), "{of_bevy:?}");
             let curve = light["curves"]["automatic"].as_array().expect("shares are tried");
-            assert_eq!((curve.len(), &curve[0]["acne"]), (17, &of_name("three.js")["acne"]));
+            let acne = |index: usize| curve[index]["acne"].as_u64().expect("acne is counted");
+            assert!(curve.len() == 17 && acne(0) > 1000 && acne(0) > acne(8) && acne(16) == 0, "{curve:?}");
+            // Without a bias, but with back faces in the map, most of a closed scene is lit.
+            assert!(of_name("three.js")["acne"].as_u64().is_some_and(|of_back_faces| of_back_faces < acne(0) / 10));
         }
         let page = std::fs::read_to_string(folder.path().join(&page)).expect("the page is there");
         assert!(page.contains("<svg") && page.contains("Filament") && !page.contains("http"));

@@ -131,8 +131,9 @@ What the columns mean, light by light:
 
   acne            pixels that shadow themselves, though they and all taps of
                   their lookup see the light
-  peter panning   pixels that are lit since what shadows them is nearer than
-                  the bias
+  lit wrongly     pixels that are lit though they and all taps of their lookup
+                  are in shadow: peter panning, where what shadows them is
+                  nearer than the bias, and leaks
   gap             how far from the foot of a wall its shadow would begin: of
                   all pixels that ask a map the median, and what 95 of 100
                   stay below; all, where nothing is shadowed any more
@@ -142,16 +143,19 @@ What the columns mean, light by light:
                   surface: the price of a step along the normal
   longer          the share of pixels whose shift is longer than that of the
                   automatic bias
-  fails           acne, where there is any; gap or shift, where the share of
-                  pixels with more of it than needed is above 5 %
+  fails           acne, where there is any; light, where more than twice as
+                  many pixels are lit wrongly as with the automatic bias; gap or
+                  shift, where the share of pixels with more of it than needed
+                  is above 5 %
 
 What slivers do to a map, in whose texels they can be drawn at any depth, is no
 bias's fault: it is counted apart.
 
 Biases are tried on the same maps, with the same filter, for they are a matter
 of the receivers alone. Each engine's default is taken in its own units; what
-the engine does beside it (its filter, fit and cascades, and which faces it
-casts) is not part of it.
+the engine does beside it (its filter, fit and cascades) is not part of it. An
+engine with an asterisk draws the back faces of single-sided casters, and is
+tried on a map of these.
 
 The constant bias that was tuned is the least that leaves this picture without
 acne, found by halving: what a patient hand would arrive at, for this camera

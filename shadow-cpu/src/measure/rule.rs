@@ -82,8 +82,8 @@ pub struct EngineRule {
     pub spot: Rule,
     /// The rule for point lights.
     pub point: Rule,
-    /// Whether the engine by default draws the back faces of closed casters, so that the fronts have their bias from the casters' own thickness. That is a matter of
-    /// the map, and no part of the rule.
+    /// Whether the engine by default draws the back faces of single-sided casters, so that the fronts have their bias from the casters' own thickness. That is a matter of
+    /// the map: [`Trials::try_engine`](super::Trials::try_engine) takes one of those.
     pub casts_back_faces: bool,
     /// What is expressed, in the engine's own terms, and what is not.
     pub what: &'static str,

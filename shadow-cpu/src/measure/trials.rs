@@ -7,7 +7,7 @@ use super::{
     cause::{Cause, Counts},
     gaps::Price,
     judge::Judge,
-    rule::Rule,
+    rule::{EngineRule, Rule},
 };
 
 /// By how much a gap or a shift may exceed that of the automatic bias and still count as no wider, as a factor: lengths are small differences of depths in f32.
@@ -23,6 +23,8 @@ pub struct Trials<'a, M> {
     plan: &'a FramePlan,
     triangles: &'a [u32],
     maps: &'a M,
+    /// The same maps with the back faces of single-sided casters alone.
+    back_faces: &'a M,
     /// The prices of the automatic bias, light by light, pixel by pixel.
     automatic: Vec<Vec<Price>>,
 }
@@ -89,14 +91,14 @@ pub struct Onset {
 }
 
 impl<'a, M: MapAccess + Sync> Trials<'a, M> {
-    /// For a plan of the judge's scene and view, its maps, and the triangles that the renderer's camera sees.
+    /// For a plan of the judge's scene and view, its maps, the same maps with back faces alone, and the triangles that the renderer's camera sees.
     ///
     /// # Panics
     ///
     /// If they are not of the judge's scene and view.
     #[must_use]
-    pub fn new(judge: &'a Judge<'a>, plan: &'a FramePlan, triangles: &'a [u32], maps: &'a M) -> Self {
-        let mut trials = Self { judge, plan, triangles, maps, automatic: Vec::new() };
+    pub fn new(judge: &'a Judge<'a>, plan: &'a FramePlan, triangles: &'a [u32], maps: &'a M, back_faces: &'a M) -> Self {
+        let mut trials = Self { judge, plan, triangles, maps, back_faces, automatic: Vec::new() };
         trials.automatic = (0..plan.lights.len()).map(|light| trials.prices(light, Rule::Automatic { scale: 1.0 })).collect();
         trials
     }
@@ -104,13 +106,24 @@ impl<'a, M: MapAccess + Sync> Trials<'a, M> {
     /// Tries a rule on a light.
     #[must_use]
     pub fn try_rule(&self, light: usize, rule: Rule) -> Trial {
+        self.try_on(light, rule, self.maps)
+    }
+
+    /// Tries an engine's default on a light, on a map of those faces that the engine draws.
+    #[must_use]
+    pub fn try_engine(&self, light: usize, engine: &EngineRule) -> Trial {
+        let maps = if engine.casts_back_faces { self.back_faces } else { self.maps };
+        self.try_on(light, engine.of(&self.plan.lights[light]), maps)
+    }
+
+    fn try_on(&self, light: usize, rule: Rule, maps: &M) -> Trial {
         let prices = self.prices(light, rule);
         let count = |is_more: fn(&Price, &Price) -> bool| {
             prices.iter().zip(&self.automatic[light]).filter(|(price, automatic)| is_more(price, automatic)).count() as u64
         };
         Trial {
             rule,
-            counts: self.counts(light, rule),
+            counts: self.counts(light, rule, maps),
             gaps: Lengths::of(prices.iter().map(|price| price.gap)),
             shifts: Lengths::of(prices.iter().map(|price| price.shift)),
             wider: count(|price, automatic| price.gap > WIDER * automatic.gap + LEAST),
@@ -124,15 +137,15 @@ impl<'a, M: MapAccess + Sync> Trials<'a, M> {
     pub fn onset(&self, light: usize, from: Onset, halvings: u32, rule: impl Fn(f32) -> Rule, on_try: impl Fn()) -> Onset {
         (0..halvings).fold(from, |onset, _| {
             let middle = 0.5 * (onset.with_acne + onset.without);
-            let has_acne = self.counts(light, rule(middle)).count(Cause::Acne) > 0;
+            let has_acne = self.counts(light, rule(middle), self.maps).count(Cause::Acne) > 0;
             on_try();
             if has_acne { Onset { with_acne: middle, ..onset } } else { Onset { without: middle, ..onset } }
         })
     }
 
-    fn counts(&self, light: usize, rule: Rule) -> Counts {
+    fn counts(&self, light: usize, rule: Rule, maps: &M) -> Counts {
         let ask = |light: &LightPlan, views: &[ViewPlan], receiver: &Receiver| rule.ask(light, views, receiver);
-        self.judge.judge_rule(self.plan, light, self.triangles, self.maps, &ask).counts
+        self.judge.judge_rule(self.plan, light, self.triangles, maps, &ask).counts
     }
 
     fn prices(&self, light: usize, rule: Rule) -> Vec<Price> {

@@ -39,12 +39,13 @@ pub(super) fn html(report: &Report<'_>) -> String {
 
 /// What is measured, for those who read the page without the program.
 const MEANING: &str = "<section><h2>What is measured</h2>\n\
-    <p>Acne are pixels that shadow themselves, though they and all taps of their lookup see the light; what slivers that were drawn wrongly do to a map is told apart. \
+    <p>Acne are pixels that shadow themselves, though they and all taps of their lookup see the light; what slivers that were drawn wrongly do to a map is told apart. Pixels that are lit wrongly \
+    are in shadow themselves, with all taps; beyond twice as many as with the automatic bias that is a failure. \
     The gap is how far from the foot of a wall its shadow would begin, the shift how far outlines of distant casters are moved, both along the surface of a pixel that asks a map. \
     “Wider” and “longer” are the shares of these pixels where they exceed those of the automatic bias by more than 2 %; beyond a share of 5 % a bias fails at it: less would have been \
     enough.</p>\n\
     <p>All biases are tried on the same maps with the same filter. The engines' are their defaults, each in its own units; what an engine does beside it (its filter, fit and \
-    cascades, and the faces that it casts) is not part of it. The constant that was tuned is the least that leaves this picture without acne.</p></section>\n";
+    cascades) is not part of it; engines with an asterisk are tried on a map of back faces, as they draw it. The constant that was tuned is the least that leaves this picture without acne.</p></section>\n";
 
 /// Acne against the gap: the automatic bias among what others do.
 fn plot(light: &LightReport) -> String {

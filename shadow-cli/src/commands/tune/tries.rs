@@ -1,7 +1,7 @@
 //! Which biases are tried on a light, and in which order.
 
 use shadow_cpu::measure::{ENGINES, Onset, Rule, Trial, Trials};
-use shadow_math::{MapAccess, plan::LightPlan};
+use shadow_math::MapAccess;
 
 use super::{BiasReport, CurvesReport, length};
 
@@ -31,13 +31,7 @@ pub(super) struct Tries {
 
 impl Tries {
     /// Tries everything on a light. `diagonal` is the scene's, in metres; `step` is called [`STEPS_OF_LIGHT`] times.
-    pub(super) fn on<M: MapAccess + Sync>(
-        trials: &Trials<'_, M>,
-        light: &LightPlan,
-        index: usize,
-        diagonal: f32,
-        step: &dyn Fn(),
-    ) -> Self {
+    pub(super) fn on<M: MapAccess + Sync>(trials: &Trials<'_, M>, index: usize, diagonal: f32, step: &dyn Fn()) -> Self {
         let done = std::cell::Cell::new(0);
         let tick = || {
             done.set(done.get() + 1);
@@ -69,7 +63,9 @@ impl Tries {
             OCTAVES.iter().map(|&octave| attempt(of_exponent(tuned + f32::from(octave)))).collect()
         });
 
-        let report = |name: String, trial: &Trial| BiasReport::new(name, trial);
+        // The last of the shares is all of the bias.
+        let automatic = scales.last().map(|(_, trial)| *trial);
+        let report = |name: String, trial: &Trial| BiasReport::new(name, trial, automatic.as_ref().unwrap_or(trial));
         let mut rules: Vec<BiasReport> = scales.last().map(|(_, trial)| report("automatic".into(), trial)).into_iter().collect();
         rules.extend(tuned.map(|exponent| {
             let metres = diagonal * exponent.exp2();
@@ -78,7 +74,8 @@ impl Tries {
             BiasReport { amount: Some(metres), ..report(name, &trial) }
         }));
         rules.extend(ENGINES.iter().map(|engine| {
-            let trial = attempt(engine.of(light));
+            let trial = trials.try_engine(index, engine);
+            tick();
             BiasReport {
                 what: Some(engine.what),
                 casts_back_faces: Some(engine.casts_back_faces),
