@@ -1,5 +1,12 @@
 //! Pipelines and the layouts of what is bound to them.
 
+use std::{
+    collections::HashMap,
+    sync::{Mutex, PoisonError},
+};
+
+use shadow_math::plan::{BIAS_AUTOMATIC, FILTER_BILINEAR};
+
 use crate::shaders::{
     self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, VISIBILITY_MODULE,
 };
@@ -32,7 +39,7 @@ pub(crate) struct Pipelines {
     pub(crate) map: [[wgpu::RenderPipeline; 2]; 2],
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
-    pub(crate) visibility: wgpu::RenderPipeline,
+    visibility: VisibilityPipelines,
     pub(crate) color: wgpu::RenderPipeline,
     pub(crate) readback: wgpu::ComputePipeline,
     pub(crate) readback_id: wgpu::ComputePipeline,
@@ -161,22 +168,23 @@ fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::Rend
     })
 }
 
-/// A pass over all pixels that show a triangle, whose fragments write one number or colour each.
+/// A pass over all pixels that show a triangle, whose fragments write one number or colour each. `constants` are those that the module leaves open.
 fn full_screen_pipeline(
     device: &wgpu::Device,
     entry_point: &str,
-    files: &[ShaderFile],
-    groups: &[&wgpu::BindGroupLayout],
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    constants: &[(&str, f64)],
     target: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let module = module(device, entry_point, files);
+    let compilation_options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(entry_point),
-        layout: Some(&pipeline_layout(device, entry_point, groups)),
+        layout: Some(layout),
         vertex: wgpu::VertexState {
-            module: &module,
+            module,
             entry_point: Some("full_screen"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: compilation_options(),
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
@@ -190,14 +198,44 @@ fn full_screen_pipeline(
         }),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
-            module: &module,
+            module,
             entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: compilation_options(),
             targets: &[Some(target.into())],
         }),
         multiview_mask: None,
         cache: None,
     })
+}
+
+/// The pipelines of visibility: one for each filter and bias that was asked for.
+struct VisibilityPipelines {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    made: Mutex<HashMap<(u32, u32), wgpu::RenderPipeline>>,
+}
+
+impl VisibilityPipelines {
+    fn new(device: &wgpu::Device, layouts: &Layouts) -> Self {
+        let name = "resolve_visibility";
+        let pipelines = Self {
+            module: module(device, name, VISIBILITY_MODULE),
+            layout: pipeline_layout(device, name, &[&layouts.geometry, &layouts.visibility]),
+            made: Mutex::default(),
+        };
+        // What a driver has against the module is to be known from the beginning.
+        pipelines.get(device, FILTER_BILINEAR, BIAS_AUTOMATIC);
+        pipelines
+    }
+
+    fn get(&self, device: &wgpu::Device, filter: u32, bias: u32) -> wgpu::RenderPipeline {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || {
+            let constants = [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias))];
+            full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT)
+        };
+        made.entry((filter, bias)).or_insert_with(make).clone()
+    }
 }
 
 fn compute_pipeline(
@@ -217,6 +255,11 @@ fn compute_pipeline(
 }
 
 impl Pipelines {
+    /// The pipeline of visibility for a light with this filter and bias, as its plan has them.
+    pub(crate) fn visibility(&self, device: &wgpu::Device, filter: u32, bias: u32) -> wgpu::RenderPipeline {
+        self.visibility.get(device, filter, bias)
+    }
+
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         let layouts = Layouts::new(device);
         let map_layout = pipeline_layout(device, "shadow map", &[&layouts.geometry, &layouts.surfaces, &layouts.views]);
@@ -274,18 +317,13 @@ impl Pipelines {
         Self {
             map,
             camera,
-            visibility: full_screen_pipeline(
-                device,
-                "resolve_visibility",
-                VISIBILITY_MODULE,
-                &[&layouts.geometry, &layouts.visibility],
-                VISIBILITY_FORMAT,
-            ),
+            visibility: VisibilityPipelines::new(device, &layouts),
             color: full_screen_pipeline(
                 device,
                 "resolve_color",
-                COLOR_MODULE,
-                &[&layouts.geometry, &layouts.surfaces, &layouts.color],
+                &module(device, "resolve_color", COLOR_MODULE),
+                &pipeline_layout(device, "resolve_color", &[&layouts.geometry, &layouts.surfaces, &layouts.color]),
+                &[],
                 COLOR_FORMAT,
             ),
             readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),

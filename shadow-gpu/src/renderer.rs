@@ -449,10 +449,10 @@ impl GpuRenderer {
             ],
         );
         let mut encoder = self.encoder("visibility");
-        for light in 0..plan.lights.len() as u32 {
+        for (light, light_plan) in (0..).zip(&plan.lights) {
             let target = layer_view(&texture, light);
             let mut pass = full_screen_pass(&mut encoder, "visibility", &target, wgpu::Color::WHITE, &camera.depth);
-            pass.set_pipeline(&self.pipelines.visibility);
+            pass.set_pipeline(&self.pipelines.visibility(&self.device, light_plan.filter, light_plan.bias));
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
             pass.draw(0..3, 0..1);

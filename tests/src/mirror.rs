@@ -81,6 +81,8 @@ pub fn evaluate(
         @group(0) @binding(6) var<storage, read> depths: array<f32>;
         const MAP_SIZE: u32 = {map_size}u;
         var<private> invocation: u32;
+        fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
+        fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return depths[(layer * MAP_SIZE + y) * MAP_SIZE + x]; }}
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}

@@ -290,6 +290,8 @@ fn mirrors_source() -> String {
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}
         fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
+        fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
+        fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return 1.0; }}",
         join(MIRRORS)
     )

@@ -38,7 +38,7 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
     let rounding_depth = views[view].rounding_depth;
     // Taps that are compared with the receiver's plane need nothing for where they lie.
     var reach = 0.0;
-    if (lights[light].bias & BIAS_RECEIVER_PLANE) == 0u {
+    if (bias_kind(light) & BIAS_RECEIVER_PLANE) == 0u {
         reach = support(light, gradient, footprint) * lights[light].slope_scale;
     }
     let texels = reach + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
@@ -47,17 +47,17 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
 
 fn depth_bias(light: u32, view: u32, needed: f32, w: f32) -> f32 {
     var bias = 0.0;
-    if (lights[light].bias & BIAS_CONSTANT) != 0u {
+    if (bias_kind(light) & BIAS_CONSTANT) != 0u {
         bias = metres_to_depth(view, w, lights[light].bias_metres);
     }
-    if (lights[light].bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE)) != 0u {
+    if (bias_kind(light) & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE)) != 0u {
         bias = bias + needed;
     }
     return min(bias, MAX_DEPTH_BIAS);
 }
 
 fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, needed: f32, w: f32) -> f32 {
-    if lights[light].bias != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS) {
+    if bias_kind(light) != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS) {
         return 0.0;
     }
     let toward = toward_light(light, point);
@@ -74,7 +74,7 @@ fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, needed: f32
 }
 
 fn normal_step(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f32 {
-    if (lights[light].bias & BIAS_NORMAL_OFFSET) == 0u {
+    if (bias_kind(light) & BIAS_NORMAL_OFFSET) == 0u {
         return 0.0;
     }
     let cosine = dot3(normal, normalized(toward_light(light, point)));

@@ -49,7 +49,7 @@ fn turn_of_pixel(pixel: vec2u) -> vec2f {
 }
 
 fn support(light: u32, gradient: vec2f, footprint: Footprint) -> f32 {
-    let kind = lights[light].filter_kind;
+    let kind = filter_kind(light);
     if kind <= FILTER_SEPARABLE {
         return lights[light].filter_reach;
     }
@@ -82,7 +82,7 @@ fn depth_test(view: u32, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
 }
 
 fn tap_depth(light: u32, asked: Lookup, x: i32, y: i32) -> f32 {
-    if (lights[light].bias & BIAS_RECEIVER_PLANE) == 0u {
+    if (bias_kind(light) & BIAS_RECEIVER_PLANE) == 0u {
         return asked.depth;
     }
     let along_x = asked.slope.x * (f32(x) + 0.5 - asked.texel.x);
@@ -223,7 +223,7 @@ fn footprint_test(light: u32, asked: Lookup) -> f32 {
 }
 
 fn filtered_test(light: u32, asked: Lookup) -> f32 {
-    let kind = lights[light].filter_kind;
+    let kind = filter_kind(light);
     if kind == FILTER_HARD {
         return test_at(light, asked, asked.texel);
     }

@@ -8,6 +8,18 @@
 @group(1) @binding(3) var maps: texture_2d_array<f32>;
 @group(1) @binding(4) var seen: texture_2d<u32>;
 
+// Each filter and bias has a pipeline of its own: a driver that runs a shader to its end with all lanes off would pay for all of them.
+override LIGHT_FILTER: u32;
+override LIGHT_BIAS: u32;
+
+fn filter_kind(light: u32) -> u32 {
+    return LIGHT_FILTER;
+}
+
+fn bias_kind(light: u32) -> u32 {
+    return LIGHT_BIAS;
+}
+
 // Every tap goes through here: what a backend allows of depth textures differs.
 fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {
     return textureLoad(maps, vec2u(x, y), layer, 0).x;
@@ -21,7 +33,7 @@ fn resolve_visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
     let hit = scene_point(triangle, ray);
     let normal = turned_to_viewer(hit.normal, hit.normal, ray);
     var steps = PixelSteps(vec3f(0.0, 0.0, 0.0), vec3f(0.0, 0.0, 0.0));
-    if lights[0].filter_kind == FILTER_FOOTPRINT {
+    if filter_kind(0u) == FILTER_FOOTPRINT {
         steps = pixel_steps(camera.rays, ray, hit.point, normal);
     }
     let receiver = Receiver(hit.point, normal, vec2u(position.xy), steps);

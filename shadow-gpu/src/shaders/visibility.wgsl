@@ -23,7 +23,7 @@ fn footprint_side(view: u32, step: vec3f, x: f32, y: f32, w: f32) -> vec2f {
 }
 
 fn footprint(light: u32, view: u32, receiver: Receiver, w: f32) -> Footprint {
-    if lights[light].filter_kind != FILTER_FOOTPRINT {
+    if filter_kind(light) != FILTER_FOOTPRINT {
         return NO_FOOTPRINT;
     }
     let x = row_times_point(views[view].clip_x, receiver.point) / w;
@@ -70,7 +70,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     }
     var slope = vec2f(0.0, 0.0);
     var slope_limit = 0.0;
-    if (lights[light].bias & BIAS_RECEIVER_PLANE) != 0u {
+    if (bias_kind(light) & BIAS_RECEIVER_PLANE) != 0u {
         slope = depth_gradient(view, receiver.point, receiver.normal);
         slope_limit = plane_limit(light, view, receiver_w);
     }
@@ -91,7 +91,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
         return known_lookup(1.0);
     }
     var turn = vec2f(1.0, 0.0);
-    if lights[light].filter_kind == FILTER_DISC {
+    if filter_kind(light) == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
     return Lookup(view, 0.0, texel, min(z, 1.0), bias, turn, sides, slope, slope_limit);
@@ -107,7 +107,7 @@ fn visibility(light: u32, receiver: Receiver) -> f32 {
     if found.view == NO_VIEW {
         return found.known;
     }
-    if (lights[light].bias & BIAS_RECEIVER_GRADIENT) != 0u {
+    if (bias_kind(light) & BIAS_RECEIVER_GRADIENT) != 0u {
         found.bias += stored_gradient(found.view, light, found.texel);
     }
     return filtered_test(light, found);
