@@ -248,15 +248,18 @@ mod tests {
 
     #[test]
     fn defaults_stand_in_for_what_is_not_given() {
-        let parts = |text: &str| match named(text).with(&BiasNumbers::default()) {
-            Ok(Bias::Parts(parts)) => parts,
-            other => panic!("{text}: {other:?}"),
+        let parts = |text: &str| {
+            let bias = named(text).with(&BiasNumbers::default()).expect("no number is given that could have no meaning");
+            let Bias::Parts(parts) = bias else { return None };
+            Some(parts)
         };
-        assert_eq!(parts("none"), BiasParts::NONE);
-        assert_eq!(parts("constant+normal-offset").constant, Some(0.01));
-        assert_eq!(parts("slope"), BiasParts { slope: Some(1.0), ..BiasParts::NONE });
-        assert_eq!(parts("receiver-gradient").receiver_gradient, Some(ReceiverGradient::default()));
-        assert_eq!(parts("receiver-plane").receiver_plane, Some(0.1));
+        assert_eq!(parts("none"), Some(BiasParts::NONE));
+        assert_eq!(parts("constant+normal-offset").and_then(|parts| parts.constant), Some(0.01));
+        assert_eq!(parts("slope"), Some(BiasParts { slope: Some(1.0), ..BiasParts::NONE }));
+        let gradient = parts("receiver-gradient").and_then(|parts| parts.receiver_gradient);
+        assert_eq!(gradient, Some(ReceiverGradient::default()));
+        assert_eq!(parts("receiver-plane").and_then(|parts| parts.receiver_plane), Some(0.1));
+        assert_eq!(parts("automatic"), None);
     }
 
     #[test]

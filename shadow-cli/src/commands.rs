@@ -12,10 +12,37 @@ mod devices;
 mod completions;
 mod man;
 
+use serde::Serialize;
+
 use crate::{
     args::{Args, Command},
     error::CliError,
+    resolve::Job,
 };
+
+/// What picture a report is of: the head of every such report.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct PictureReport<'a> {
+    scene: &'a str,
+    notes: &'a [String],
+    /// How many triangles are drawn.
+    triangles: usize,
+    /// Width and height in pixels.
+    width: u32,
+    height: u32,
+}
+
+impl<'a> PictureReport<'a> {
+    fn of(job: &'a Job) -> Self {
+        Self {
+            scene: &job.scene_name,
+            notes: &job.notes,
+            triangles: job.scene.triangles().len(),
+            width: job.plan.camera.width,
+            height: job.plan.camera.height,
+        }
+    }
+}
 
 /// How a command that did its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

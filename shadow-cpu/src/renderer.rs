@@ -6,7 +6,6 @@ use std::{
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use shadow_math::plan::{BIAS_BACK_FACES, ViewPlan};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 
 use crate::{
@@ -145,10 +144,11 @@ impl CpuRenderer {
         let size = plan.map_size;
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let scratch = &mut *scratch;
-        let layers = plan.views.iter().map(|view| {
+        let layers = plan.views.iter().enumerate().map(|(index, view)| {
             let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
-            let runs = runs(prepared.scene, caster_culling(plan, view));
+            let culling = if plan.takes_back_faces(index) { Culling::Front } else { Culling::None };
+            let runs = runs(prepared.scene, culling);
             let mut depth = self.floats.take(size as usize * size as usize);
             self.threads.install(|| {
                 let triangles = prepared.scene.triangles();
@@ -286,15 +286,6 @@ impl CpuRenderer {
         let times = drawn.times;
         Ok(Rendered { frame: into_frame(plan, request, drawn), times })
     }
-}
-
-/// Which single-sided casters a view leaves out: none, for a single-sided wall shadows from behind too, unless its light takes back faces alone.
-fn caster_culling(plan: &FramePlan, view: &ViewPlan) -> Culling {
-    let takes_back_faces = plan.lights.iter().any(|light| {
-        let views = light.first_view..light.first_view + light.view_count;
-        light.bias & BIAS_BACK_FACES != 0 && views.contains(&view.layer)
-    });
-    if takes_back_faces { Culling::Front } else { Culling::None }
 }
 
 /// The runs of triangles that a pass over the scene draws.

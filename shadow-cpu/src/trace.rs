@@ -46,6 +46,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use shadow_math::material::{FLAG_DOUBLE_SIDED, FLAG_MASK};
 use shadow_scene::{Pass, Scene, SceneLight, Surfaces};
 
+pub(crate) use self::near::AROUND;
 pub use self::{
     camera::CameraView,
     near::Clearance,

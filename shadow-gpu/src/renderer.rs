@@ -5,7 +5,7 @@ mod readback;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use shadow_math::{
-    plan::{BIAS_BACK_FACES, LightPlan, ViewPlan},
+    plan::{LightPlan, ViewPlan},
     shade::BACKGROUND,
 };
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
@@ -300,10 +300,7 @@ impl GpuRenderer {
         let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
         let mut encoder = self.encoder("shadow maps");
         for view in 0..plan.views.len() as u32 {
-            let takes_back_faces = plan.lights.iter().any(|light| {
-                let views = light.first_view..light.first_view + light.view_count;
-                light.bias & BIAS_BACK_FACES != 0 && views.contains(&view)
-            });
+            let takes_back_faces = plan.takes_back_faces(view as usize);
             let layer = texture.create_view(&wgpu::TextureViewDescriptor {
                 label: Some("shadow map"),
                 dimension: Some(wgpu::TextureViewDimension::D2),

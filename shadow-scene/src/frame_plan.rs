@@ -5,7 +5,7 @@ use shadow_math::{
     bounds::Aabb,
     exposure::Exposure,
     fit::MIN_NEAR_SHARE,
-    plan::{CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
+    plan::{BIAS_BACK_FACES, CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
 };
 
 use crate::scene::Scene;
@@ -100,6 +100,16 @@ impl FramePlan {
     pub fn views_of(&self, light: usize) -> &[ViewPlan] {
         let plan = &self.lights[light];
         &self.views[plan.first_view as usize..][..plan.view_count as usize]
+    }
+
+    /// Whether a view, by its place among all of them, takes of single-sided casters the back faces alone. No other leaves any casters out: a single-sided wall shadows from behind
+    /// too.
+    #[must_use]
+    pub fn takes_back_faces(&self, view: usize) -> bool {
+        self.lights.iter().any(|light| {
+            let views = light.first_view as usize..(light.first_view + light.view_count) as usize;
+            light.bias & BIAS_BACK_FACES != 0 && views.contains(&view)
+        })
     }
 }
 

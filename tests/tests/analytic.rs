@@ -1,8 +1,11 @@
 //! Scenes whose shadows follow from geometry.
 
-use glam::{DQuat, DVec3, Vec3};
-use shadow_math::{Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split, bounds::Aabb, triangle::pixel_ray};
-use shadow_scene::{Frame, FramePlan, LayerName, Request, Scene, SceneLight, builtin};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use shadow_math::{
+    Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split, bounds::Aabb, settings::BiasParts,
+    triangle::pixel_ray,
+};
+use shadow_scene::{Frame, FramePlan, LayerName, Material, Request, Scene, SceneBuilder, SceneLight, builtin, builtin::shapes};
 use shadow_tests::renderers;
 
 /// A camera straight above the origin that sees `half_height` metres to either side.
@@ -186,4 +189,37 @@ fn a_grazing_light_leaves_no_acne() {
     let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
     let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("the layer was asked for");
     assert!(visibility.iter().any(|&visibility| visibility < 1.0), "a centimetre is not enough at one degree");
+}
+
+/// Under a light that stands straight above a box the map holds its top, or with back faces alone its bottom, as far below as the box is high. A material with two sides keeps both, and so the top.
+#[test]
+fn back_faces_of_a_box_are_as_far_below_as_it_is_high() {
+    const HEIGHT: f32 = 1.5;
+    let middle_of_map = |double_sided: bool, bias: Bias| {
+        let mut builder = SceneBuilder::new(DVec3::ZERO);
+        let material = builder.add_material(Material { double_sided, ..Material::white() });
+        let cuboid = shapes::cuboid(Vec3::Y, Vec3::new(1.0, 0.5 * HEIGHT, 1.0), Quat::IDENTITY);
+        builder.add_instance("box", material, cuboid).expect("the mesh is whole");
+        let sun = LightKind::Directional { direction: Vec3::NEG_Y };
+        builder.add_light("sun", Light { kind: sun, color: Vec3::ONE, intensity: 1.0 });
+        builder.add_camera("above", from_above(2.0));
+        let scene = builder.build().expect("the scene is whole");
+        let settings = ShadowSettings { bias, map_size: 64, ..ShadowSettings::default() };
+        let plan = FramePlan::new(&scene, &from_above(2.0), &settings, 16, 16, None).expect("the scene can be planned");
+        let map = LayerName::ShadowMap { light: 0, view: 0 };
+        let cpu = renderers::cpu().render(&renderers::cpu().prepare(&scene), &plan, Request::ALL).expect("it fits").frame;
+        let gpu = pollster::block_on(async {
+            let scene = renderers::gpu().upload(&scene).await.expect("the scene fits");
+            renderers::gpu().render(&scene, &plan, Request::ALL).await.expect("the picture fits").frame
+        });
+        [cpu, gpu].map(|frame| frame.floats(map).expect("the layer was asked for")[32 * 64 + 32] / plan.views[0].depth_factor)
+    };
+    let back_faces = Bias::Parts(BiasParts { back_faces: true, ..BiasParts::NONE });
+    for (double_sided, expected) in [(false, HEIGHT), (true, 0.0)] {
+        let (fronts, backs) = (middle_of_map(double_sided, Bias::NONE), middle_of_map(double_sided, back_faces));
+        for (front, back) in fronts.into_iter().zip(backs) {
+            // Depths in f32 over a range of some metres.
+            assert!((back - front - expected).abs() < 1e-5, "two sides {double_sided}: {front} m and {back} m");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use shadow_cpu::RasterRules;
 use shadow_scene::StageTimes;
 
-use super::Verdict;
+use super::{PictureReport, Verdict};
 use crate::{
     args::BenchArgs,
     backend::{OnceTimes, OpenBackend, RayRates, check_machine, milliseconds_since},
@@ -26,11 +26,8 @@ const MIB: f64 = (1 << 20) as f64;
 /// The report for programs.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    notes: &'a [String],
-    triangles: usize,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    picture: PictureReport<'a>,
     /// How many maps a frame has.
     shadow_maps: usize,
     /// Width and height of each in texels.
@@ -192,11 +189,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
         _ => None,
     };
     let report = Report {
-        scene: &job.scene_name,
-        notes: &job.notes,
-        triangles: job.scene.triangles().len(),
-        width: job.plan.camera.width,
-        height: job.plan.camera.height,
+        picture: PictureReport::of(&job),
         shadow_maps: job.plan.views.len(),
         map_size: job.plan.map_size,
         frames: args.frames,
@@ -235,7 +228,7 @@ impl BackendReport {
 
 /// The report for people.
 fn text(report: &Report<'_>) -> String {
-    let Report { scene, triangles, width, height, shadow_maps, map_size, frames, .. } = report;
+    let Report { picture: PictureReport { scene, triangles, width, height, .. }, shadow_maps, map_size, frames, .. } = report;
     let maps = count(*shadow_maps, "shadow map");
     let mut text = format!(
         "{scene}: {triangles} triangles, {width} x {height} pixels, {maps} of {map_size} x {map_size} texels; \
@@ -324,11 +317,7 @@ mod tests {
             million_rays_per_second: adapter.is_none().then_some(RayRates { camera: 1.25, shadow: 2.5 }),
         };
         let report = Report {
-            scene: "builtin:demo",
-            notes: &[],
-            triangles: 12,
-            width: 16,
-            height: 9,
+            picture: PictureReport { scene: "builtin:demo", notes: &[], triangles: 12, width: 16, height: 9 },
             shadow_maps: 1,
             map_size: 64,
             frames: 1,

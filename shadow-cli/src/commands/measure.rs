@@ -14,7 +14,7 @@ use shadow_cpu::{
 use shadow_scene::{Frame, FramePlan, LayerName, Request, StageTimes};
 
 use self::motion::{Motions, StabilityReport};
-use super::Verdict;
+use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, MeasureArgs},
     backend::{OpenBackend, check_machine, has_sized_light},
@@ -35,11 +35,8 @@ const MIB: f64 = (1 << 20) as f64;
 /// The report for programs.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    notes: &'a [String],
-    triangles: usize,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    picture: PictureReport<'a>,
     backend: &'static str,
     /// The adapter's name; null for the CPU.
     adapter: Option<String>,
@@ -203,11 +200,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     }
 
     let mut report = Report {
-        scene: &job.scene_name,
-        notes: &job.notes,
-        triangles: job.scene.triangles().len(),
-        width: camera.width,
-        height: camera.height,
+        picture: PictureReport::of(&job),
         backend: args.rendering.backend.name(),
         adapter: backend.adapter().map(|adapter| adapter.name.clone()),
         light_samples: has_sized_light(&job.scene).then(|| judge.lights().sampling.count()),
@@ -286,13 +279,16 @@ fn text(report: &Report<'_>) -> String {
         text.push_str(&format!(
             "{}: {} pixels that a light can reach, counted once for each of {} lights; {} of them lie where smooth normals and flat faces disagree about \
              facing the light (the terminator)\n",
-            report.scene,
+            report.picture.scene,
             first.counts.pixels,
             first.lights.len(),
             first.counts.at_terminator,
         ));
     }
-    text.push_str(&format!("measured on {}{adapter}, {} x {} pixels\n", report.backend, report.width, report.height));
+    text.push_str(&format!(
+        "measured on {}{adapter}, {} x {} pixels\n",
+        report.backend, report.picture.width, report.picture.height
+    ));
     if let Some(page) = &report.report {
         text.push_str(&format!("wrote {page}\n"));
     }

@@ -15,7 +15,7 @@ use shadow_math::{Filter, plan::BIAS_BACK_FACES};
 use shadow_scene::{FrameMaps, LayerName, Request};
 
 use self::tries::{STEPS_OF_LIGHT, TRIED_SHARES, Tries};
-use super::Verdict;
+use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, BiasArgs, TuneArgs},
     backend::{OpenBackend, check_machine},
@@ -35,11 +35,8 @@ const MAPS: Request = Request { camera: false, shadow_maps: true, visibility: fa
 /// The report for programs.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    notes: &'a [String],
-    triangles: usize,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    picture: PictureReport<'a>,
     backend: &'static str,
     /// The adapter's name; null for the CPU.
     adapter: Option<String>,
@@ -293,11 +290,7 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
         });
     }
     let report = Report {
-        scene: &job.scene_name,
-        notes: &job.notes,
-        triangles: job.scene.triangles().len(),
-        width: camera.width,
-        height: camera.height,
+        picture: PictureReport::of(&job),
         backend: name,
         adapter: backend.adapter().map(|adapter| adapter.name.clone()),
         map_size: job.settings.map_size,
@@ -354,7 +347,10 @@ fn text(report: &Report<'_>) -> String {
         text.push('\n');
     }
     let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({adapter})"));
-    text.push_str(&format!("rendered on {}{adapter}, {} x {} pixels\n", report.backend, report.width, report.height));
+    text.push_str(&format!(
+        "rendered on {}{adapter}, {} x {} pixels\n",
+        report.backend, report.picture.width, report.picture.height
+    ));
     text.push_str(&format!("{}\nwrote {}\n", verdict(report), report.output));
     text
 }

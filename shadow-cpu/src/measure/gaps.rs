@@ -126,14 +126,14 @@ impl Judge<'_> {
     /// As [`Self::judge_rule`].
     #[must_use]
     pub fn needs(&self, plan: &FramePlan, light: usize, triangles: &[u32]) -> Needs {
-        let gaps = |part: fn(&NeededParts) -> f32| {
-            self.of_asking_pixels(plan, light, triangles, f32::NAN, |pixel| {
-                let view = &plan.views[pixel.lookup.view as usize];
-                let depth = part(&NeededParts::of(pixel.plan, view, &pixel.receiver));
-                (pixel.sine() * metres_before(pixel.light, view, pixel.point.position, f64::from(depth))) as f32
-            })
-        };
-        Needs { filter: gaps(|parts| parts.filter), snap: gaps(|parts| parts.snap), rounding: gaps(|parts| parts.rounding) }
+        let gaps = self.of_asking_pixels(plan, light, triangles, [f32::NAN; 3], |pixel| {
+            let view = &plan.views[pixel.lookup.view as usize];
+            let NeededParts { filter, snap, rounding } = NeededParts::of(pixel.plan, view, &pixel.receiver);
+            let gap = |depth| pixel.sine() * metres_before(pixel.light, view, pixel.point.position, f64::from(depth));
+            [filter, snap, rounding].map(|depth| gap(depth) as f32)
+        });
+        let [filter, snap, rounding] = [0, 1, 2].map(|part| gaps.iter().map(|gaps| gaps[part]).collect());
+        Needs { filter, snap, rounding }
     }
 
     /// What `value` says of each pixel whose surface faces a light and asks one of its maps under the automatic bias, in the order of the pixels; `none` for each that does not.

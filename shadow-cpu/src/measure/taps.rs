@@ -13,16 +13,12 @@ use shadow_math::{
 };
 use shadow_scene::SceneLight;
 
-use crate::trace::{Clearance, SurfacePoint};
+use crate::trace::{AROUND, Clearance, SurfacePoint};
 
 /// How far the corners of a flat surface made of many triangles can lie off its plane, as a share of their largest coordinate. Each is rounded to f32: by half a step,
 /// `2^-24` of its size, on each axis, and so by `sqrt(3)` of that across the plane. Three of them decide a triangle's plane, and where a fourth is met, as in
 /// a quadrilateral's other half, all four add up: `4 sqrt(3) 2^-24`, a little less than this.
 const VERTEX_ROUNDING: f64 = 1.0 / (1_u32 << 21) as f64;
-
-/// Eight directions around a texel's centre.
-const AROUND: [[f64; 2]; 8] =
-    [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
 /// A tap whose texel hides the receiver.
 pub(super) struct HidingTap {

@@ -28,8 +28,8 @@ impl Clearance {
     }
 }
 
-/// Eight directions around a ray, in the plane of its two lesser axes.
-const AROUND: [[f64; 2]; 8] =
+/// Eight directions around a place in a plane, such as a ray seen along itself.
+pub(crate) const AROUND: [[f64; 2]; 8] =
     [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
 /// Whether a triangle that matters comes within `clearance` of a ray, and is there. Rays are few here: boxes are taken one after the other.

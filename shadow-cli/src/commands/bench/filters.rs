@@ -12,7 +12,7 @@ use super::WARM_UP_ROUNDS;
 use crate::{
     args::{Backend, BenchArgs},
     backend::OpenBackend,
-    commands::Verdict,
+    commands::{PictureReport, Verdict},
     console::{Console, count, print, print_json, table},
     error::CliError,
     memory::{self, Work},
@@ -23,11 +23,8 @@ use crate::{
 /// The report for programs.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    notes: &'a [String],
-    triangles: usize,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    picture: PictureReport<'a>,
     map_size: u32,
     frames: u32,
     /// Lookups in a frame: pixels times lights.
@@ -72,7 +69,7 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
     // What is more is measured against the hard test, whether it was asked for or not.
     let timed: Vec<Filter> =
         [Filter::Hard].into_iter().chain(filters.iter().copied().filter(|&filter| filter != Filter::Hard)).collect();
-    let plans = timed.iter().map(|&filter| plan(&job, filter)).collect::<Result<Vec<_>, _>>()?;
+    let plans = timed.iter().map(|&filter| plan(&job, filter, args.picture.exposure)).collect::<Result<Vec<_>, _>>()?;
     let mut contenders = Vec::with_capacity(backends.len());
     for backend in backends {
         let (open, _) = OpenBackend::open(*backend, &job, &args.machine, RasterRules::default(), console)?;
@@ -109,11 +106,7 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
         FilterReport { filter: timed[index], tests, backends: contenders.iter().map(of_backend).collect() }
     };
     let report = Report {
-        scene: &job.scene_name,
-        notes: &job.notes,
-        triangles: job.scene.triangles().len(),
-        width: camera.width,
-        height: camera.height,
+        picture: PictureReport::of(&job),
         map_size: job.plan.map_size,
         frames: args.frames,
         lookups,
@@ -124,10 +117,10 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
 }
 
 /// The same picture with another filter.
-fn plan(job: &Job, filter: Filter) -> Result<FramePlan, CliError> {
+fn plan(job: &Job, filter: Filter, exposure: Option<f32>) -> Result<FramePlan, CliError> {
     let settings = ShadowSettings { filter, filter_radius: None, ..job.settings };
     let camera = &job.plan.camera;
-    FramePlan::new(&job.scene, &job.camera, &settings, camera.width, camera.height, None)
+    FramePlan::new(&job.scene, &job.camera, &settings, camera.width, camera.height, exposure)
         .map_err(|source| CliError::Technique { name: filter.name().into(), source })
 }
 
@@ -147,10 +140,10 @@ fn tests(light: &LightPlan) -> Option<u32> {
 fn text(report: &Report<'_>) -> String {
     let mut text = format!(
         "{}: {} triangles, {} x {} pixels, maps of {size} x {size} texels; {} of each filter, in turn\n\n",
-        report.scene,
-        report.triangles,
-        report.width,
-        report.height,
+        report.picture.scene,
+        report.picture.triangles,
+        report.picture.width,
+        report.picture.height,
         count(report.frames as usize, "frame"),
         size = report.map_size
     );

@@ -82,17 +82,17 @@ impl Pixmap {
 
 /// The page. `truth` are the colours that the picture would have with true visibilities.
 pub(super) fn html(report: &Report<'_>, shown: &[Shown], truth: &[[f32; 4]]) -> Result<String, CliError> {
-    let (width, height) = (report.width, report.height);
-    let scene = escaped(report.scene);
+    let (width, height) = (report.picture.width, report.picture.height);
+    let scene = escaped(report.picture.scene);
     let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({})", escaped(adapter)));
     let mut page = format!(
         "<h1>Shadows of {scene}, measured against the truth</h1>\n\
          <p>{} triangles, {width} x {height} pixels, rendered on {}{adapter}. The truth is traced in double precision{}.</p>\n",
-        report.triangles,
+        report.picture.triangles,
         report.backend,
         report.light_samples.map_or_else(String::new, |count| format!("; lights that have a size take {count} rays a pixel"))
     );
-    page.push_str(&notes(report.notes));
+    page.push_str(&notes(report.picture.notes));
     page.push_str(&legend());
     page.push_str(&table(report));
     let dots: Vec<_> = report
@@ -112,7 +112,7 @@ pub(super) fn html(report: &Report<'_>, shown: &[Shown], truth: &[[f32; 4]]) -> 
     for (number, (technique, shown)) in report.techniques.iter().zip(shown).enumerate() {
         page.push_str(&technique_section(number, technique, shown, &truth)?);
     }
-    Ok(crate::page::page(&format!("Shadows of {}, measured", report.scene), &page))
+    Ok(crate::page::page(&format!("Shadows of {}, measured", report.picture.scene), &page))
 }
 
 fn legend() -> String {

@@ -8,19 +8,19 @@ use crate::{
 
 /// The page.
 pub(super) fn html(report: &Report<'_>) -> String {
-    let scene = escaped(report.scene);
+    let scene = escaped(report.picture.scene);
     let adapter = report.adapter.as_ref().map_or_else(String::new, |adapter| format!(" ({})", escaped(adapter)));
     let class = if report.holds { "holds" } else { "fails" };
     let mut page = format!(
         "<h1>The bias of {scene}'s shadows</h1>\n<p class=\"{class}\">{}</p>\n\
          <p>{} triangles, {} x {} pixels, rendered on {}{adapter} and judged by rays in double precision.</p>\n",
         verdict(report),
-        report.triangles,
-        report.width,
-        report.height,
+        report.picture.triangles,
+        report.picture.width,
+        report.picture.height,
         report.backend
     );
-    page.push_str(&notes(report.notes));
+    page.push_str(&notes(report.picture.notes));
     for (index, light) in report.lights.iter().enumerate() {
         let name = format!("Light {index}, {} “{}”: {}", light.kind, light.name, maps(report, light));
         page.push_str(&format!("<section><h2>{}</h2>\n", escaped(&name)));
@@ -34,7 +34,7 @@ pub(super) fn html(report: &Report<'_>) -> String {
         page.push_str("</section>\n");
     }
     page.push_str(MEANING);
-    crate::page::page(&format!("The bias of {}", report.scene), &page)
+    crate::page::page(&format!("The bias of {}", report.picture.scene), &page)
 }
 
 /// What is measured, for those who read the page without the program.
