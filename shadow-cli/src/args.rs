@@ -4,6 +4,7 @@
 
 mod filter;
 mod help;
+mod shadow;
 
 use std::path::PathBuf;
 
@@ -14,18 +15,19 @@ use clap::{
 };
 use clap_complete::Shell;
 use shadow_cpu::trace::Sampling;
-use shadow_math::Filter;
 use shadow_scene::Choice;
 
-pub(crate) use self::filter::{FilterList, FilterName};
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
     RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
-use crate::bias::{BiasNames, BiasNumbers, gradient_numbers};
+pub(crate) use self::{
+    filter::{FilterList, FilterName},
+    shadow::{BiasArgs, ShadowArgs},
+};
 use crate::specs::{
-    BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,
-    light_samples, map_size, seconds,
+    BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, exposure_value, light_samples,
+    seconds,
 };
 
 /// Checkable shadow mapping: the same shadows from two independent renderers
@@ -233,71 +235,9 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "EV", value_parser = exposure_value, allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) exposure: Option<f32>,
 
-    /// Width and height of each shadow map in texels, from 16 to 16384
-    #[arg(
-        long,
-        value_name = "TEXELS",
-        default_value_t = 2048,
-        value_parser = map_size,
-        help_heading = "Shadows"
-    )]
-    pub(crate) map_size: u32,
-
-    /// How depth tests are averaged
-    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName(Filter::Bilinear), help_heading = "Shadows")]
-    pub(crate) filter: FilterName,
-
-    /// How far the filter reaches, in texels: from 1 to 4 for gaussian [default: 2], from 0.5 to 16 for poisson and vogel [default: 2.5]
-    ///
-    /// The other filters have a size of their own, and with them it is refused.
-    #[arg(long, value_name = "TEXELS", allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) filter_radius: Option<f32>,
-}
-
-/// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
-#[derive(Clone, Debug, Default, ClapArgs)]
-pub(crate) struct BiasArgs {
-    /// How surfaces are kept from shadowing themselves: automatic, none, or parts joined by plus signs
-    ///
-    /// automatic is what the receiver's plane needs under the filter, by depth or along its normal: there is nothing to tune. none shows self-shadowing as it is. The parts, which add
-    /// up, are constant (the same length everywhere), slope (what the receiver's plane needs, by depth alone), normal-offset (a step along the normal, in texels times the sine
-    /// of its angle with the light), receiver-plane (each tap is compared with the depth that the receiver's plane has there; not with slope) and receiver-gradient (what
-    /// OGRE 1.12's sample reads off the map) and back-faces (of single-sided casters the map has the back faces alone).
-    #[arg(long, value_name = "BIAS", default_value_t = BiasNames::default(), help_heading = "Shadows")]
-    pub(crate) bias: BiasNames,
-
-    /// Metres added to the bias along the light's view axis, with constant [default: 0.01] or slope [default: 0]
-    #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) bias_constant: Option<f32>,
-
-    /// A factor on what the receiver's plane needs, with slope [default: 1, which is enough and no more]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) bias_scale: Option<f32>,
-
-    /// Texels along the normal, with normal-offset, from 0 to 8 [default: 1]
-    #[arg(long, value_name = "TEXELS", allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) bias_normal: Option<f32>,
-
-    /// The most metres that a tap is corrected by, with receiver-plane [default: 0.1]
-    #[arg(long, value_name = "METRES", value_parser = bias_metres, allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) bias_limit: Option<f32>,
-
-    /// The share of the stored depth, the clamp on differences and their scale, with receiver-gradient [default: 0.0005,0.0098,0]
-    #[arg(long, value_name = "FIXED,CLAMP,SCALE", value_parser = gradient_numbers, allow_negative_numbers = true, help_heading = "Shadows")]
-    pub(crate) bias_gradient: Option<[f32; 3]>,
-}
-
-impl BiasArgs {
-    /// The numbers that were typed.
-    pub(crate) fn numbers(&self) -> BiasNumbers {
-        BiasNumbers {
-            constant: self.bias_constant,
-            scale: self.bias_scale,
-            normal: self.bias_normal,
-            limit: self.bias_limit,
-            gradient: self.bias_gradient,
-        }
-    }
+    /// How its lights are shadowed.
+    #[command(flatten)]
+    pub(crate) shadows: ShadowArgs,
 }
 
 /// What renders: the choices that all commands that render share.
@@ -435,6 +375,13 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "LIST", conflicts_with_all = ["filter", "filter_radius"], help_heading = "Shadows")]
     pub(crate) filters: Option<FilterList>,
 
+    /// A program that sends the same rays through another tracer, with --backends trace
+    ///
+    /// It is started as `PROGRAM THREADS ROUNDS`, finds the mesh and the rays on its standard input, and writes how many millions of them it sends a second. tests/embree/rays.cpp is
+    /// such a program for Embree 3 (on Debian: `c++ -O2 rays.cpp -lembree3 -lpthread -o rays`).
+    #[arg(long, value_name = "PROGRAM", conflicts_with = "filters", help_heading = "Backend")]
+    pub(crate) rival: Option<PathBuf>,
+
     /// Frames of each backend that are timed, from 1 to 10000
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) frames: u32,
@@ -446,6 +393,8 @@ pub(crate) struct BenchArgs {
     /// (`shadow_maps`, `camera`, `shading`, `total`), for each of these the `spread` (`min`, `lower_quartile`, `median`, `upper_quartile`, `max`),
     /// `milliseconds_once` (`open`, `prepare`, `first_frame`) and `peak_bytes` (null where the system does not tell). `ratios` says `of` what,
     /// and has the same stages and their `spread`; it is null unless there are two backends. `million_rays_per_second` (`camera`, `shadow`) is null but for trace.
+    /// `rival` is null without --rival; otherwise its `program`, `threads` and `rounds`, and for `camera` and `shadow` how many `rays` were sent and `met` something, our `tracer`'s millions of rays a
+    /// second, and for `single` rays and `packets` the other's `million_rays_per_second` and how many `met`.
     ///
     /// With --filters an object with `scene`, `notes`, `triangles`, `width`, `height`, `map_size`, `frames`, `lookups` (pixels times lights) and `filters`: each has its `filter`, its
     /// `tests` a lookup (null where they vary) and for each of its `backends` the `backend`, the median `shading_milliseconds`, and `nanoseconds_per_further_test` (null for one test).
@@ -627,7 +576,10 @@ impl Backend {
 
 #[cfg(test)]
 mod tests {
+    use shadow_math::Filter;
+
     use super::*;
+    use crate::bias::BiasNames;
 
     fn parse(line: &str) -> Result<Args, clap::Error> {
         Args::try_parse_from(line.split_whitespace())
@@ -648,7 +600,7 @@ mod tests {
         assert_eq!(args.output, PathBuf::from("shadow.png"));
         assert_eq!((args.rendering.backend, args.show), (Backend::Cpu, Show::Color));
         assert_eq!(
-            (args.picture.filter, args.bias.bias.clone(), args.picture.map_size),
+            (args.picture.shadows.filter, args.bias.bias.clone(), args.picture.shadows.map_size),
             (FilterName(Filter::Bilinear), BiasNames::default(), 2048)
         );
     }

@@ -236,6 +236,12 @@ impl<'a> OpenBackend<'a> {
         }
     }
 
+    /// The tracer, and the rays of its picture; other backends have none.
+    pub(crate) fn tracer(&self) -> Option<(&Tracer<'_>, CameraView)> {
+        let Self::Trace(backend) = self else { return None };
+        Some((&backend.tracer, backend.view))
+    }
+
     /// Millions of rays a second: of the camera, and to the lights. Other backends have none.
     pub(crate) fn million_rays_per_second(&self, camera_milliseconds: f64, shading_milliseconds: f64) -> Option<RayRates> {
         let Self::Trace(backend) = self else { return None };

@@ -4,7 +4,7 @@ use std::{fmt, str::FromStr};
 
 use shadow_math::{
     Bias,
-    settings::{BiasParts, ReceiverGradient},
+    settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
 };
 
 /// The constant bias in metres if none is given: a centimetre.
@@ -25,10 +25,13 @@ pub(crate) enum BiasName {
     ReceiverPlane,
     ReceiverGradient,
     BackFaces,
+    PolygonOffset,
+    Ogre2006,
+    Ogre2006Corrected,
 }
 
 impl BiasName {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 11] = [
         Self::Automatic,
         Self::None,
         Self::Constant,
@@ -37,6 +40,9 @@ impl BiasName {
         Self::ReceiverPlane,
         Self::ReceiverGradient,
         Self::BackFaces,
+        Self::PolygonOffset,
+        Self::Ogre2006,
+        Self::Ogre2006Corrected,
     ];
 
     fn name(self) -> &'static str {
@@ -49,6 +55,9 @@ impl BiasName {
             Self::ReceiverPlane => "receiver-plane",
             Self::ReceiverGradient => "receiver-gradient",
             Self::BackFaces => "back-faces",
+            Self::PolygonOffset => "polygon-offset",
+            Self::Ogre2006 => "ogre-2006",
+            Self::Ogre2006Corrected => "ogre-2006-corrected",
         }
     }
 }
@@ -93,6 +102,10 @@ impl FromStr for BiasNames {
         if names.contains(&BiasName::Slope) && names.contains(&BiasName::ReceiverPlane) {
             return Err("`slope` and `receiver-plane` are two remedies for the same slope; leave one of them out".into());
         }
+        let pushes = [BiasName::PolygonOffset, BiasName::Ogre2006, BiasName::Ogre2006Corrected];
+        if let [first, second, ..] = pushes.into_iter().filter(|name| names.contains(name)).collect::<Vec<_>>()[..] {
+            return Err(format!("`{}` and `{}` both draw casters deeper; leave one of them out", first.name(), second.name()));
+        }
         Ok(Self(names))
     }
 }
@@ -110,6 +123,10 @@ pub(crate) struct BiasNumbers {
     pub(crate) limit: Option<f32>,
     /// A receiver gradient's fixed share, clamp and scale.
     pub(crate) gradient: Option<[f32; 3]>,
+    /// A polygon offset's slope, units and clamp.
+    pub(crate) offset: Option<[f32; 3]>,
+    /// Metres that the caster shader of 2006 pushes.
+    pub(crate) push: Option<f32>,
 }
 
 /// A number without a meaning beside the biases that are named.
@@ -122,19 +139,29 @@ pub(crate) struct Meaningless {
 }
 
 /// Every key, and the biases that it goes with.
-const KEYS: [Meaningless; 5] = [
+const KEYS: [Meaningless; 7] = [
     Meaningless { key: "bias-constant", use_with: &["constant", "slope"] },
     Meaningless { key: "bias-scale", use_with: &["slope"] },
     Meaningless { key: "bias-normal", use_with: &["normal-offset"] },
     Meaningless { key: "bias-limit", use_with: &["receiver-plane"] },
     Meaningless { key: "bias-gradient", use_with: &["receiver-gradient"] },
+    Meaningless { key: "bias-offset", use_with: &["polygon-offset"] },
+    Meaningless { key: "bias-push", use_with: &["ogre-2006", "ogre-2006-corrected"] },
 ];
 
 impl BiasNames {
     /// The bias, with the defaults of what is not given. What its numbers may be is the plan's to say.
     pub(crate) fn with(&self, numbers: &BiasNumbers) -> Result<Bias, Meaningless> {
-        let BiasNumbers { constant, scale, normal, limit, gradient } = *numbers;
-        let given = [constant.is_some(), scale.is_some(), normal.is_some(), limit.is_some(), gradient.is_some()];
+        let BiasNumbers { constant, scale, normal, limit, gradient, offset, push } = *numbers;
+        let given = [
+            constant.is_some(),
+            scale.is_some(),
+            normal.is_some(),
+            limit.is_some(),
+            gradient.is_some(),
+            offset.is_some(),
+            push.is_some(),
+        ];
         let has = |name: BiasName| self.0.contains(&name);
         for (key, _) in KEYS.into_iter().zip(given).filter(|(_, is_given)| *is_given) {
             if !self.0.iter().any(|name| key.use_with.contains(&name.name())) {
@@ -149,7 +176,13 @@ impl BiasNames {
             let ReceiverGradient { fixed, clamp, scale } = ReceiverGradient::default();
             [fixed, clamp, scale]
         });
+        let polygon_offset =
+            offset.map_or_else(PolygonOffset::default, |[slope, units, clamp]| PolygonOffset { slope, units, clamp });
+        let metres = push.unwrap_or(Ogre2006::default().metres);
+        let is_corrected = has(BiasName::Ogre2006Corrected);
         Ok(Bias::Parts(BiasParts {
+            polygon_offset: has(BiasName::PolygonOffset).then_some(polygon_offset),
+            ogre_2006: (is_corrected || has(BiasName::Ogre2006)).then_some(Ogre2006 { metres, is_corrected }),
             back_faces: has(BiasName::BackFaces),
             constant: of(BiasName::Constant, constant.unwrap_or(DEFAULT_CONSTANT_METRES)).or(constant),
             slope: of(BiasName::Slope, scale.unwrap_or(1.0)),
@@ -165,10 +198,18 @@ impl BiasNames {
 
     /// The names of a bias, and its numbers.
     pub(crate) fn of(bias: Bias) -> (Self, BiasNumbers) {
-        let Bias::Parts(BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient, back_faces }) = bias
-        else {
-            return (Self::default(), BiasNumbers::default());
-        };
+        let Bias::Parts(parts) = bias else { return (Self::default(), BiasNumbers::default()) };
+        let BiasParts {
+            constant,
+            slope,
+            normal_offset,
+            receiver_plane,
+            receiver_gradient,
+            polygon_offset,
+            ogre_2006,
+            back_faces,
+        } = parts;
+        let is_corrected = ogre_2006.is_some_and(|shader| shader.is_corrected);
         let parts = [
             // A length beside a slope needs no name of its own.
             (BiasName::Constant, constant.is_some() && slope.is_none()),
@@ -177,20 +218,26 @@ impl BiasNames {
             (BiasName::ReceiverPlane, receiver_plane.is_some()),
             (BiasName::ReceiverGradient, receiver_gradient.is_some()),
             (BiasName::BackFaces, back_faces),
+            (BiasName::PolygonOffset, polygon_offset.is_some()),
+            (BiasName::Ogre2006, ogre_2006.is_some() && !is_corrected),
+            (BiasName::Ogre2006Corrected, is_corrected),
         ];
         let mut names: Vec<_> = parts.into_iter().filter_map(|(name, is_there)| is_there.then_some(name)).collect();
         if names.is_empty() {
             names.push(BiasName::None);
         }
         let gradient = receiver_gradient.map(|ReceiverGradient { fixed, clamp, scale }| [fixed, clamp, scale]);
-        let numbers = BiasNumbers { constant, scale: slope, normal: normal_offset, limit: receiver_plane, gradient };
+        let offset = polygon_offset.map(|PolygonOffset { slope, units, clamp }| [slope, units, clamp]);
+        let push = ogre_2006.map(|Ogre2006 { metres, .. }| metres);
+        let numbers =
+            BiasNumbers { constant, scale: slope, normal: normal_offset, limit: receiver_plane, gradient, offset, push };
         (Self(names), numbers)
     }
 }
 
 /// A bias in a line: its names and the numbers that are not at their defaults.
 pub(crate) fn summary(bias: Bias) -> String {
-    let (names, BiasNumbers { constant, scale, normal, limit, gradient }) = BiasNames::of(bias);
+    let (names, BiasNumbers { constant, scale, normal, limit, gradient, offset, push }) = BiasNames::of(bias);
     let mut text = names.to_string();
     if let Some(scale) = scale.filter(|&scale| scale != 1.0) {
         text += &format!(" x {scale}");
@@ -204,10 +251,28 @@ pub(crate) fn summary(bias: Bias) -> String {
     if let Some(metres) = limit {
         text += &format!(" up to {metres} m");
     }
+    if let Some([slope, units, clamp]) = offset {
+        text += &format!(" {slope}, {units}, {clamp}");
+    }
+    if let Some(metres) = push {
+        text += &format!(" {metres} m");
+    }
     if let Some([fixed, clamp, scale]) = gradient {
         text += &format!(" {fixed}, {clamp}, {scale}");
     }
     text
+}
+
+/// Two or three numbers with commas: a polygon offset's.
+pub(crate) fn offset_numbers(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[slope, units]) => Ok([slope, units, 0.0]),
+        Some(&[slope, units, clamp]) => Ok([slope, units, clamp]),
+        _ => Err(format!(
+            "`{text}` is not a polygon offset; write its slope, its units and, if there is one, its clamp with commas, as 2,4 or 2,4,0.01"
+        )),
+    }
 }
 
 /// Three numbers with commas: a receiver gradient's.
@@ -240,6 +305,9 @@ mod tests {
             ("normal-offset+receiver-plane", BiasNumbers { normal: Some(2.0), limit: Some(0.3), ..BiasNumbers::default() }),
             ("normal-offset+back-faces", BiasNumbers { normal: Some(0.5), ..BiasNumbers::default() }),
             ("constant+receiver-gradient", BiasNumbers { constant: Some(0.5), ..gradient }),
+            ("polygon-offset", BiasNumbers { offset: Some([1.0, 2.0, 0.5]), ..BiasNumbers::default() }),
+            ("ogre-2006", BiasNumbers { push: Some(0.5), ..BiasNumbers::default() }),
+            ("back-faces+ogre-2006-corrected", BiasNumbers { push: Some(0.5), ..BiasNumbers::default() }),
         ] {
             let bias = named(text).with(&numbers).expect(text);
             assert_eq!(BiasNames::of(bias), (named(text), numbers), "{text}");
@@ -270,6 +338,8 @@ mod tests {
             ("automatic+slope", "by itself"),
             ("none+constant", "by itself"),
             ("slope+receiver-plane", "leave one"),
+            ("polygon-offset+ogre-2006", "both draw"),
+            ("ogre-2006+ogre-2006-corrected", "both draw"),
             ("", "not a bias"),
         ] {
             let problem = text.parse::<BiasNames>().expect_err(text);
@@ -279,5 +349,7 @@ mod tests {
         assert_eq!(named("slope").with(&numbers).map_err(|meaningless| meaningless.key), Err("bias-normal"));
         assert!(gradient_numbers("1,2").is_err() && gradient_numbers("1,2,x").is_err());
         assert_eq!(gradient_numbers("0.5, 1,2"), Ok([0.5, 1.0, 2.0]));
+        assert_eq!(offset_numbers("1.5, 4"), Ok([1.5, 4.0, 0.0]));
+        assert!(offset_numbers("1.5").is_err());
     }
 }

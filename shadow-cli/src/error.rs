@@ -18,6 +18,17 @@ pub(crate) enum CliError {
     /// The scene's file.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// The program that was to send the same rays did not.
+    #[error("--rival {}: {problem}; it is started as `PROGRAM THREADS ROUNDS` and reads the rays from its standard input (tests/embree/rays.cpp is one, for Embree 3)", program.display())]
+    Rival {
+        /// The program.
+        program: PathBuf,
+        /// What went wrong.
+        problem: String,
+    },
+    /// Nothing to compare another tracer with.
+    #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
+    RivalWithoutTracer,
     /// There is no built-in scene of that name.
     #[error("there is no built-in scene `{name}`; there are: {}", names.join(", "))]
     Builtin {

@@ -4,7 +4,10 @@ use std::io::{self, Write};
 
 use glam::{Vec4, Vec4Swizzles};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use shadow_math::srgb::encode_pixel;
+use shadow_math::{
+    depth::{DEPTH_LINEAR, DEPTH_REVERSED},
+    srgb::encode_pixel,
+};
 use shadow_scene::{FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels};
 
 /// The grey of the farthest distance: dark, and yet not the black of nothing at all.
@@ -134,11 +137,20 @@ impl DistanceScale {
             LayerName::Depth => (plan.camera.clip_z, plan.camera.clip_w, 0.0),
             LayerName::ShadowMap { light, view } => {
                 let view = plan.views_of(light as usize).get(view as usize)?;
-                (view.clip_z, view.clip_w, 1.0)
+                let empty = if view.depth_kind == DEPTH_REVERSED { 0.0 } else { 1.0 };
+                if view.depth_kind == DEPTH_LINEAR {
+                    return Some(Self::with(DepthOfDistance::Linear { sign: 1.0 }, layers, empty));
+                }
+                (view.clip_z, view.clip_w, empty)
             }
             _ => return None,
         };
         let depth_of_distance = DepthOfDistance::new(Vec4::from_array(clip_z), Vec4::from_array(clip_w), empty == 0.0);
+        Some(Self::with(depth_of_distance, layers, empty))
+    }
+
+    /// The scale over all distances that occur.
+    fn with(depth_of_distance: DepthOfDistance, layers: &[&Layer], empty: f32) -> Self {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for layer in layers {
             let Pixels::Float(values) = &layer.pixels else { continue };
@@ -149,7 +161,7 @@ impl DistanceScale {
                 }
             }
         }
-        Some(Self { depth_of_distance, empty, range })
+        Self { depth_of_distance, empty, range }
     }
 
     /// White at the nearest distance, dark at the farthest, black where there is nothing or no number.

@@ -7,7 +7,7 @@ use shadow_scene::{
 };
 
 use crate::{
-    args::{BiasArgs, FilterName, PictureArgs, SceneArgs},
+    args::{BiasArgs, FilterName, PictureArgs, SceneArgs, ShadowArgs},
     bias::Meaningless,
     console::Console,
     error::CliError,
@@ -122,8 +122,8 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         bias: bias.bias.to_string(),
         use_with,
     })?;
-    let FilterName(filter) = args.filter;
-    Ok(ShadowSettings { bias, filter, filter_radius: args.filter_radius, map_size: args.map_size, ..ShadowSettings::default() })
+    let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator } = args.shadows;
+    Ok(ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() })
 }
 
 /// Tells the notes about a scene.

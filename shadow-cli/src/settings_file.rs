@@ -7,7 +7,7 @@ use std::{fs, ops::Range, path::Path};
 
 use serde::{Deserialize, Serialize};
 use shadow_math::{
-    Filter, Fit, ShadowSettings, Split, Store,
+    Filter, Fit, ShadowSettings, Split, Store, Terminator, Texels,
     settings::{FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
 };
 use toml::Spanned;
@@ -30,8 +30,12 @@ fit = "uniform"
 # How many maps share the view: "single" (as few as can cover the light) or "cube" (six around a spot or point light).
 split = "single"
 
-# What a texel remembers: "depth32" (the nearest caster's depth, a 32-bit float).
+# What a texel remembers: "depth32", "depth24" or "depth16" (the nearest caster's depth, as a float or rounded to so many bits), "reversed32" (1 minus that), "linear" (the distance along
+# the light's axis), "second" (the second surface's depth) or "midpoint" (half-way between the first and the second).
 store = "depth32"
+
+# Where lookups think that texel centres are: "opengl" (half-way between whole numbers, as maps are drawn) or "direct3d" (at whole numbers, as before version 10).
+texels = "opengl"
 
 # How depth tests are averaged: "hard" (one test), "bilinear" (four), "cross5", "box3" to "box9", "gaussian", "witness3", "witness5", "witness7", "poisson", "vogel"
 # or "footprint"; `shadow help render` says what each is.
@@ -50,6 +54,10 @@ filter = "bilinear"
 #   "receiver-plane"     each tap is compared with the plane's depth there, corrected by at most bias-limit; not with "slope"
 #   "receiver-gradient"  what OGRE 1.12's sample reads off the map
 #   "back-faces"         of single-sided casters the map has the back faces alone
+# or draw casters deeper; one of:
+#   "polygon-offset"       as hardware does it: bias-offset
+#   "ogre-2006"            as the shader of "Shadow Mapping in Ogre" does it, pushed by bias-push
+#   "ogre-2006-corrected"  as its text asks for
 bias = "automatic"
 
 # Metres along the light's view axis, with "constant" (0.01 if left out) or "slope" (0 if left out).
@@ -66,6 +74,15 @@ bias = "automatic"
 
 # The share of the stored depth, the clamp on differences and their scale, with "receiver-gradient".
 # bias-gradient = [0.0005, 0.0098, 0.0]
+
+# A factor on the larger slope, units of the format's steps, and a clamp in depth (0 for none), with "polygon-offset".
+# bias-offset = [2.0, 4.0, 0.0]
+
+# Metres, with "ogre-2006" or "ogre-2006-corrected".
+# bias-push = 1.0
+
+# What becomes of light where the facets of smooth meshes turn away from it: "hard" (it ends) or "soft" (it fades out).
+terminator = "hard"
 
 # Width and height of each map in texels, from 16 to 16384.
 map-size = 2048
@@ -88,6 +105,7 @@ struct File {
     fit: Fit,
     split: Split,
     store: Store,
+    texels: Texels,
     filter: Filter,
     filter_radius: Option<Spanned<f32>>,
     bias: Option<Spanned<String>>,
@@ -96,6 +114,9 @@ struct File {
     bias_normal: Option<Spanned<f32>>,
     bias_limit: Option<Spanned<f32>>,
     bias_gradient: Option<Spanned<[f32; 3]>>,
+    bias_offset: Option<Spanned<[f32; 3]>>,
+    bias_push: Option<Spanned<f32>>,
+    terminator: Terminator,
     map_size: Option<Spanned<u32>>,
 }
 
@@ -141,6 +162,10 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
     if let Some(gradient) = gradient.filter(|gradient| !gradient.get_ref().iter().all(|&number| is_length(number))) {
         return Err(at(Some(gradient.span()), "bias-gradient makes no sense; its numbers are finite and at least 0".into()));
     }
+    let offset = file.bias_offset.as_ref();
+    if let Some(offset) = offset.filter(|offset| !offset.get_ref().iter().all(|&number| is_length(number))) {
+        return Err(at(Some(offset.span()), "bias-offset makes no sense; its numbers are finite and at least 0".into()));
+    }
     let numbers = BiasNumbers {
         constant: number("bias-constant", &file.bias_constant, is_length, "a length in metres, finite and at least 0")?,
         scale: number("bias-scale", &file.bias_scale, is_length, "finite and at least 0")?,
@@ -157,6 +182,8 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
             "a length in metres, finite and above 0",
         )?,
         gradient: gradient.map(|gradient| *gradient.get_ref()),
+        offset: file.bias_offset.as_ref().map(|offset| *offset.get_ref()),
+        push: number("bias-push", &file.bias_push, is_length, "a length in metres, finite and at least 0")?,
     };
     let bias = names.with(&numbers).map_err(|Meaningless { key, use_with }| {
         let spans = [
@@ -165,6 +192,8 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
             ("bias-normal", file.bias_normal.as_ref().map(Spanned::span)),
             ("bias-limit", file.bias_limit.as_ref().map(Spanned::span)),
             ("bias-gradient", gradient.map(Spanned::span)),
+            ("bias-offset", offset.map(Spanned::span)),
+            ("bias-push", file.bias_push.as_ref().map(Spanned::span)),
         ];
         let span = spans.into_iter().find(|(name, _)| *name == key).and_then(|(_, span)| span);
         let use_with: Vec<_> = use_with.iter().map(|name| format!("\"{name}\"")).collect();
@@ -180,7 +209,7 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
             return Err(at(Some(size.span()), problem));
         }
     };
-    let File { name, fit, split, store, filter, .. } = file;
+    let File { name, fit, split, store, texels, filter, terminator, .. } = file;
     if let Some(radius) = &file.filter_radius {
         let problem = match filter.radii() {
             None => Some(format!(
@@ -197,7 +226,7 @@ fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> 
         }
     }
     let filter_radius = file.filter_radius.map(Spanned::into_inner);
-    Ok((name, ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size }))
+    Ok((name, ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size }))
 }
 
 /// Settings as a settings file would have them, for reports.
@@ -208,6 +237,7 @@ pub(crate) struct SettingsReport {
     fit: Fit,
     split: Split,
     store: Store,
+    texels: Texels,
     filter: Filter,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_radius: Option<f32>,
@@ -222,6 +252,11 @@ pub(crate) struct SettingsReport {
     bias_limit: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bias_gradient: Option<[f32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bias_offset: Option<[f32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bias_push: Option<f32>,
+    terminator: Terminator,
     map_size: u32,
     /// The bias in a line.
     #[serde(skip)]
@@ -230,14 +265,15 @@ pub(crate) struct SettingsReport {
 
 impl From<&NamedSettings> for SettingsReport {
     fn from(named: &NamedSettings) -> Self {
-        let ShadowSettings { fit, split, store, bias, filter, filter_radius, map_size } = named.settings;
+        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size } = named.settings;
         let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
-        let (names, BiasNumbers { constant, scale, normal, limit, gradient }) = BiasNames::of(bias);
+        let (names, BiasNumbers { constant, scale, normal, limit, gradient, offset, push }) = BiasNames::of(bias);
         Self {
             name: named.name.clone(),
             fit,
             split,
             store,
+            texels,
             filter,
             filter_radius,
             bias: names.to_string(),
@@ -246,6 +282,9 @@ impl From<&NamedSettings> for SettingsReport {
             bias_normal: normal,
             bias_limit: limit,
             bias_gradient: gradient,
+            bias_offset: offset,
+            bias_push: push,
+            terminator,
             map_size,
             bias_summary: summary(bias),
         }
@@ -261,7 +300,8 @@ impl SettingsReport {
     /// What differs from the defaults least often: map size, filter and bias, for a line of a table.
     pub(crate) fn summary(&self) -> String {
         let radius = self.filter_radius.map_or_else(String::new, |radius| format!(" {radius}"));
-        format!("{} texels, {}{radius}, {}", self.map_size, self.filter.name(), self.bias_summary)
+        let store = if self.store == Store::default() { String::new() } else { format!(", {}", self.store.name()) };
+        format!("{} texels, {}{radius}, {}{store}", self.map_size, self.filter.name(), self.bias_summary)
     }
 }
 
@@ -285,8 +325,9 @@ mod tests {
         assert_eq!(settings(""), ShadowSettings::default());
         // What is commented out can be taken in.
         let taken_in = DEFAULT_TEXT
-            .replace("bias = \"automatic\"", "bias = \"slope+normal-offset+receiver-gradient\"")
+            .replace("bias = \"automatic\"", "bias = \"slope+normal-offset+receiver-gradient+polygon-offset\"")
             .replace("# bias-limit = 0.1", "")
+            .replace("# bias-push = 1.0", "")
             .replace("# bias-", "bias-")
             .replace("filter = \"bilinear\"", "filter = \"vogel\"")
             .replace("# filter-", "filter-")
@@ -294,7 +335,8 @@ mod tests {
         let (name, settings) = parse(&taken_in).expect("the comments are settings too");
         let receiver_gradient = Some(shadow_math::settings::ReceiverGradient::default());
         let (slope, constant, normal_offset) = (Some(1.0), Some(0.01), Some(1.0));
-        let parts = BiasParts { slope, constant, normal_offset, receiver_gradient, ..BiasParts::NONE };
+        let polygon_offset = Some(shadow_math::settings::PolygonOffset::default());
+        let parts = BiasParts { slope, constant, normal_offset, receiver_gradient, polygon_offset, ..BiasParts::NONE };
         assert_eq!((name.as_deref(), settings.bias), (Some("default"), Bias::Parts(parts)));
     }
 
@@ -324,6 +366,9 @@ mod tests {
             ("map-size = \"large\"", 1, ["large", "u32"]),
             ("bias = \"constant\"\nbias-constant = -1", 2, ["-1", "at least 0"]),
             ("bias = \"slope\"\n\nbias-scale = nan", 3, ["NaN", "finite"]),
+            ("bias = \"polygon-offset\"\nbias-offset = [1, -2, 0]", 2, ["bias-offset", "at least 0"]),
+            ("bias-push = 2", 1, ["bias-push", "\"ogre-2006\""]),
+            ("store = \"depth8\"", 1, ["depth8", "depth16"]),
             ("bias-constant = 0.1", 1, ["bias = \"automatic\"", "\"constant\" or \"slope\""]),
             ("bias = \"none\"\nbias-constant = 0.1", 2, ["bias = \"none\"", "\"constant\""]),
             ("bias = \"constant\"\nbias-scale = 2.0", 2, ["bias = \"constant\"", "\"slope\""]),

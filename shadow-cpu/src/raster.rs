@@ -14,10 +14,12 @@ mod pass;
 mod rules;
 mod sample;
 mod setup;
+mod stored;
 mod tile;
 mod transform;
 
 pub use pass::{AlphaTest, MAX_TARGET_SIZE, NoAlphaTest, Run, Scratch, Target, rasterize_depth, rasterize_visibility};
 pub use rules::{ClipRule, DepthPlaneRule, RasterRules};
 pub use setup::Culling;
+pub use stored::{Drawing, rasterize_second, rasterize_stored};
 pub use transform::Positions;

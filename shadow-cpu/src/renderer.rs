@@ -6,11 +6,15 @@ use std::{
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use shadow_math::depth::LAYER_FIRST;
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 
 use crate::{
     buffer::{Buffer, Pool},
-    raster::{Culling, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_visibility},
+    raster::{
+        Culling, Drawing, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_second,
+        rasterize_stored, rasterize_visibility,
+    },
     resolve::{Resolved, SceneAlphaTest, SceneView, ShadingVertices, ShadowMaps, resolve, resolve_color},
 };
 
@@ -149,10 +153,20 @@ impl CpuRenderer {
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
             let culling = if plan.takes_back_faces(index) { Culling::Front } else { Culling::None };
             let runs = runs(prepared.scene, culling);
-            let mut depth = self.floats.take(size as usize * size as usize);
+            let texels = size as usize * size as usize;
+            let mut depth = self.floats.take(texels);
+            let (positions, triangles, rules) = (&prepared.positions, prepared.scene.triangles(), &self.rules);
+            let drawing = Drawing { positions, triangles, runs: &runs, target: &target, rules };
             self.threads.install(|| {
-                let triangles = prepared.scene.triangles();
-                rasterize_depth(scratch, &prepared.positions, triangles, &runs, &target, &self.rules, &alpha_test, &mut depth);
+                if view.holds_drawn_depth() {
+                    rasterize_depth(scratch, positions, triangles, &runs, &target, rules, &alpha_test, &mut depth);
+                } else if view.depth_layer == LAYER_FIRST {
+                    rasterize_stored(scratch, drawing, &alpha_test, view, &mut depth);
+                } else {
+                    let mut first = self.floats.take(texels);
+                    rasterize_depth(scratch, positions, triangles, &runs, &target, rules, &alpha_test, &mut first);
+                    rasterize_second(scratch, drawing, &alpha_test, view, &first, &mut depth);
+                }
             });
             depth
         });

@@ -187,6 +187,11 @@ impl Rays<'_> {
         self.walk::<true>(ray, |hit| tracer.is_there(hit)).is_some()
     }
 
+    /// The corners of a triangle, exactly as the scene has them.
+    pub(crate) fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.tracer.corners(triangle)
+    }
+
     /// Sends a ray.
     #[inline(always)]
     fn walk<const ANY: bool>(&mut self, ray: Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {

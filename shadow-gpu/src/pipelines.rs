@@ -5,11 +5,15 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use shadow_math::plan::{BIAS_AUTOMATIC, FILTER_BILINEAR};
-
-use crate::shaders::{
-    self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, VISIBILITY_MODULE,
+use shadow_math::{
+    depth::DEPTH_Z_OVER_W,
+    plan::{BIAS_AUTOMATIC, FILTER_BILINEAR},
 };
+
+mod map;
+
+pub(crate) use self::map::{Drawn, MapPipelines, MapStyle};
+use crate::shaders::{self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, ShaderFile, VISIBILITY_MODULE};
 
 /// The format of shadow maps and of the camera's depth.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -25,6 +29,7 @@ pub(crate) struct Layouts {
     pub(crate) geometry: wgpu::BindGroupLayout,
     pub(crate) surfaces: wgpu::BindGroupLayout,
     pub(crate) views: wgpu::BindGroupLayout,
+    pub(crate) first_surface: wgpu::BindGroupLayout,
     pub(crate) camera: wgpu::BindGroupLayout,
     pub(crate) visibility: wgpu::BindGroupLayout,
     pub(crate) color: wgpu::BindGroupLayout,
@@ -35,8 +40,7 @@ pub(crate) struct Layouts {
 /// One pipeline for each kind of run of triangles, and one for each compute pass.
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
-    /// By `[is_masked][takes_back_faces_alone]`.
-    pub(crate) map: [[wgpu::RenderPipeline; 2]; 2],
+    pub(crate) map: MapPipelines,
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
     visibility: VisibilityPipelines,
@@ -94,6 +98,7 @@ impl Layouts {
             geometry: layout(device, "geometry", GRAPHICS, &[FLOATS, IDS]),
             surfaces: layout(device, "surfaces", GRAPHICS, &[IDS, IDS, UNIFORM]),
             views: layout(device, "views", GRAPHICS, &[read]),
+            first_surface: layout(device, "first surface", FRAGMENT, &[FLOATS]),
             camera: layout(device, "camera", GRAPHICS, &[UNIFORM]),
             visibility: layout(device, "visibility", FRAGMENT, &[UNIFORM, SLICE, SLICE, DEPTHS, IDS]),
             color: layout(device, "color", FRAGMENT, &[UNIFORM, read, IDS, DEPTHS]),
@@ -124,6 +129,8 @@ struct RenderStyle<'a> {
     module: &'a wgpu::ShaderModule,
     vertex: &'a str,
     fragment: Option<&'a str>,
+    /// The constants that the module leaves open, for the fragment stage.
+    constants: &'a [(&'a str, f64)],
     positions_as_attribute: bool,
     target: Option<wgpu::TextureFormat>,
     depth_compare: wgpu::CompareFunction,
@@ -160,7 +167,7 @@ fn render_pipeline(device: &wgpu::Device, style: &RenderStyle<'_>) -> wgpu::Rend
         fragment: style.fragment.map(|entry_point| wgpu::FragmentState {
             module: style.module,
             entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: style.constants, ..Default::default() },
             targets: &targets,
         }),
         multiview_mask: None,
@@ -208,11 +215,11 @@ fn full_screen_pipeline(
     })
 }
 
-/// The pipelines of visibility: one for each filter and bias that was asked for.
+/// The pipelines of visibility: one for each filter, bias and kind of depth that was asked for.
 struct VisibilityPipelines {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    made: Mutex<HashMap<(u32, u32), wgpu::RenderPipeline>>,
+    made: Mutex<HashMap<[u32; 3], wgpu::RenderPipeline>>,
 }
 
 impl VisibilityPipelines {
@@ -224,17 +231,18 @@ impl VisibilityPipelines {
             made: Mutex::default(),
         };
         // What a driver has against the module is to be known from the beginning.
-        pipelines.get(device, FILTER_BILINEAR, BIAS_AUTOMATIC);
+        pipelines.get(device, [FILTER_BILINEAR, BIAS_AUTOMATIC, DEPTH_Z_OVER_W]);
         pipelines
     }
 
-    fn get(&self, device: &wgpu::Device, filter: u32, bias: u32) -> wgpu::RenderPipeline {
+    fn get(&self, device: &wgpu::Device, [filter, bias, depth]: [u32; 3]) -> wgpu::RenderPipeline {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || {
-            let constants = [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias))];
+            let constants =
+                [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias)), ("LIGHT_DEPTH", f64::from(depth))];
             full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT)
         };
-        made.entry((filter, bias)).or_insert_with(make).clone()
+        made.entry([filter, bias, depth]).or_insert_with(make).clone()
     }
 }
 
@@ -255,39 +263,13 @@ fn compute_pipeline(
 }
 
 impl Pipelines {
-    /// The pipeline of visibility for a light with this filter and bias, as its plan has them.
-    pub(crate) fn visibility(&self, device: &wgpu::Device, filter: u32, bias: u32) -> wgpu::RenderPipeline {
-        self.visibility.get(device, filter, bias)
+    /// The pipeline of visibility for a light with this filter, bias and kind of depth, as its plan and its views' have them.
+    pub(crate) fn visibility(&self, device: &wgpu::Device, filter: u32, bias: u32, depth: u32) -> wgpu::RenderPipeline {
+        self.visibility.get(device, [filter, bias, depth])
     }
 
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         let layouts = Layouts::new(device);
-        let map_layout = pipeline_layout(device, "shadow map", &[&layouts.geometry, &layouts.surfaces, &layouts.views]);
-        let map_module = module(device, "shadow map", SHADOW_MAP_MODULE);
-        let map_pipeline = |label: &str, is_masked: bool, fragment: Option<&str>| {
-            let style = RenderStyle {
-                label,
-                layout: &map_layout,
-                module: &map_module,
-                vertex: if is_masked { "masked_vertex" } else { "opaque_vertex" },
-                fragment,
-                positions_as_attribute: !is_masked,
-                target: None,
-                depth_compare: wgpu::CompareFunction::Less,
-            };
-            render_pipeline(device, &style)
-        };
-        let map = [
-            [
-                map_pipeline("shadow map, opaque", false, None),
-                map_pipeline("shadow map, opaque, back faces", false, Some("opaque_back_fragment")),
-            ],
-            [
-                map_pipeline("shadow map, masked", true, Some("masked_fragment")),
-                map_pipeline("shadow map, masked, back faces", true, Some("masked_back_fragment")),
-            ],
-        ];
-
         let camera_layout = pipeline_layout(device, "camera", &[&layouts.geometry, &layouts.surfaces, &layouts.camera]);
         let camera_module = module(device, "camera", CAMERA_MODULE);
         let camera_pipeline = |label: &str, fragment: &str| {
@@ -297,6 +279,7 @@ impl Pipelines {
                 module: &camera_module,
                 vertex: "camera_vertex",
                 fragment: Some(fragment),
+                constants: &[],
                 positions_as_attribute: false,
                 target: Some(ID_FORMAT),
                 // Reversed depth; of equals the first drawn stays, which is the triangle with the lowest index.
@@ -315,7 +298,7 @@ impl Pipelines {
             ],
         ];
         Self {
-            map,
+            map: MapPipelines::new(device, &layouts),
             camera,
             visibility: VisibilityPipelines::new(device, &layouts),
             color: full_screen_pipeline(

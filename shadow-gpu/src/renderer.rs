@@ -1,10 +1,12 @@
 //! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
 
+mod maps;
 mod readback;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use shadow_math::{
+    depth::DEPTH_Z_OVER_W,
     plan::{LightPlan, ViewPlan},
     shade::BACKGROUND,
 };
@@ -286,58 +288,6 @@ impl GpuRenderer {
         self.textures.take(fits, || self.texture(label, [width, height, layers], format, usage))
     }
 
-    /// Renders all shadow maps of a plan.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Limit`] if they do not fit, [`GpuError::Driver`].
-    pub async fn shadow_maps(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuMaps, GpuError> {
-        self.limit_check(&self.limits()).frame(plan)?;
-        let layers = (plan.views.len() as u32).max(1);
-        let size = [plan.map_size, plan.map_size, layers];
-        let texture = self.kept_texture("shadow maps", size, DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
-        let buffers = self.plan_buffers(plan);
-        let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
-        let mut encoder = self.encoder("shadow maps");
-        for view in 0..plan.views.len() as u32 {
-            let takes_back_faces = plan.takes_back_faces(view as usize);
-            let layer = texture.create_view(&wgpu::TextureViewDescriptor {
-                label: Some("shadow map"),
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer: plan.views[view as usize].layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            });
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow map"),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(depth_attachment(&layer, 1.0)),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &scene.geometry, &[]);
-            pass.set_bind_group(1, &scene.surfaces, &[]);
-            pass.set_bind_group(2, &views, &[]);
-            pass.set_vertex_buffer(0, scene.positions.slice(..));
-            pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for run in Pass::ALL {
-                let triangles = scene.passes[run as usize].clone();
-                if triangles.is_empty() {
-                    continue;
-                }
-                let corners = 3 * triangles.start..3 * triangles.end;
-                let takes_back_faces_alone = takes_back_faces && run.culls_back_faces();
-                pass.set_pipeline(&self.pipelines.map[usize::from(run.is_masked())][usize::from(takes_back_faces_alone)]);
-                if run.is_masked() {
-                    pass.draw(corners, view..view + 1);
-                } else {
-                    pass.draw_indexed(corners, 0, view..view + 1);
-                }
-            }
-        }
-        self.finish(encoder).await?;
-        Ok(GpuMaps { texture })
-    }
-
     /// Brings shadow maps that were made elsewhere into the GPU's memory: one layer of `size * size` depths a view.
     ///
     /// # Errors
@@ -449,7 +399,8 @@ impl GpuRenderer {
         for (light, light_plan) in (0..).zip(&plan.lights) {
             let target = layer_view(&texture, light);
             let mut pass = full_screen_pass(&mut encoder, "visibility", &target, wgpu::Color::WHITE, &camera.depth);
-            pass.set_pipeline(&self.pipelines.visibility(&self.device, light_plan.filter, light_plan.bias));
+            let depth_kind = plan.views.get(light_plan.first_view as usize).map_or(DEPTH_Z_OVER_W, |view| view.depth_kind);
+            pass.set_pipeline(&self.pipelines.visibility(&self.device, light_plan.filter, light_plan.bias, depth_kind));
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
             pass.draw(0..3, 0..1);

@@ -28,6 +28,9 @@ shader_files! {
     VECTOR = "vector",
     LIGHT = "light",
     TRIANGLE = "triangle",
+    DEPTH = "depth",
+    GRADIENT = "gradient",
+    CASTER = "caster",
     BIAS = "bias",
     FILTER = "filter",
     VISIBILITY = "visibility",
@@ -47,12 +50,13 @@ shader_files! {
 }
 
 /// The files of the shadow map passes.
-pub const SHADOW_MAP_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, SHADOW_MAP];
+pub const SHADOW_MAP_MODULE: &[ShaderFile] =
+    &[PLAN, VECTOR, TRIANGLE, DEPTH, GRADIENT, CASTER, MATERIAL, GEOMETRY, SURFACES, SHADOW_MAP];
 /// The files of the camera pass.
 pub const CAMERA_MODULE: &[ShaderFile] = &[PLAN, VECTOR, TRIANGLE, MATERIAL, GEOMETRY, SURFACES, CAMERA];
 /// The files of the visibility pass.
 pub const VISIBILITY_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, BIAS, FILTER, VISIBILITY, GEOMETRY, FULL_SCREEN, RESOLVE_VISIBILITY];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, DEPTH, GRADIENT, BIAS, FILTER, VISIBILITY, GEOMETRY, FULL_SCREEN, RESOLVE_VISIBILITY];
 /// The files of the colour pass.
 pub const COLOR_MODULE: &[ShaderFile] =
     &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, GEOMETRY, SURFACES, FULL_SCREEN, RESOLVE_COLOR];

@@ -27,6 +27,7 @@ pub mod turn;
 use glam::Vec2;
 
 use crate::{
+    depth::{comparable_depth, depth_limits},
     plan::{BIAS_RECEIVER_PLANE, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_HARD, FILTER_SEPARABLE, LightPlan, ViewPlan},
     settings::Bias,
     visibility::{Lookup, MapAccess},
@@ -102,7 +103,7 @@ pub fn depth_test(maps: &impl MapAccess, view: &ViewPlan, x: i32, y: i32, depth:
     if x < left || y < top || x >= left + view.rect[2] as i32 || y >= top + view.rect[3] as i32 {
         return 1.0;
     }
-    let stored = maps.fetch_texel(view.layer, x as u32, y as u32);
+    let stored = comparable_depth(view, maps.fetch_texel(view.layer, x as u32, y as u32));
     if depth <= stored + bias {
         return 1.0;
     }
@@ -157,21 +158,21 @@ pub fn filtered_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, 
 /// One test of a lookup: of a texel, with the depth that the receiver's plane has at its centre where that is asked for.
 #[inline(always)]
 fn tap_test(maps: &impl MapAccess, view: &ViewPlan, light: &LightPlan, lookup: &Lookup, x: i32, y: i32) -> f32 {
-    depth_test(maps, view, x, y, tap_depth(light, lookup, x, y), lookup.bias)
+    depth_test(maps, view, x, y, tap_depth(light, view, lookup, x, y), lookup.bias)
 }
 
 /// The depth that a tap is compared with: the receiver's, or that of its plane at the texel's centre, which is no farther from it than the lookup's limit. Beyond the far plane lies
 /// nothing that could be compared.
 #[inline(always)]
 #[must_use]
-pub fn tap_depth(light: &LightPlan, lookup: &Lookup, x: i32, y: i32) -> f32 {
+pub fn tap_depth(light: &LightPlan, view: &ViewPlan, lookup: &Lookup, x: i32, y: i32) -> f32 {
     if light.bias & BIAS_RECEIVER_PLANE == 0 {
         return lookup.depth;
     }
     let along_x = lookup.slope.x * (x as f32 + 0.5 - lookup.texel.x);
     let along_y = lookup.slope.y * (y as f32 + 0.5 - lookup.texel.y);
     let correction = (along_x + along_y).max(-lookup.slope_limit).min(lookup.slope_limit);
-    (lookup.depth + correction).min(1.0)
+    (lookup.depth + correction).min(depth_limits(view)[1])
 }
 
 /// The bias that OGRE 1.12's receiver reads off the map around a lookup: see [`ReceiverGradient`](crate::settings::ReceiverGradient). Texels outside the view's rectangle hold nothing: 1.
@@ -406,7 +407,7 @@ mod tests {
             slope_limit: 1.0,
             ..Lookup::default()
         };
-        assert_eq!(tap_depth(&light, &far, 4, 4), 1.0);
+        assert_eq!(tap_depth(&light, &ViewPlan::default(), &far, 4, 4), 1.0);
     }
 
     /// OGRE 1.12's receiver, by its own formula on a ramp: neighbours differ by two texels' slope, the clamp cuts that, and the fixed part is a share of the depth.

@@ -30,6 +30,14 @@ pub struct ViewFit {
 }
 
 impl ViewFit {
+    /// The same camera with reversed depth: 1 at the near plane, 0 at the far plane.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let mut transposed = self.clip_from_view.transpose();
+        transposed.z_axis = transposed.w_axis - transposed.z_axis;
+        Self { clip_from_view: transposed.transpose(), ..*self }
+    }
+
     /// From world to clip space.
     #[must_use]
     pub fn clip_from_world(&self) -> DMat4 {

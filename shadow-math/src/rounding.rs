@@ -20,7 +20,7 @@
 
 use glam::{DMat4, DVec4, Vec3};
 
-use crate::fit::ViewFit;
+use crate::{fit::ViewFit, settings::Store};
 
 /// Half the distance between 1 and the next f32: the largest relative error of one rounding.
 pub const UNIT_ROUNDOFF: f64 = 1.0 / (1_u32 << 24) as f64;
@@ -49,6 +49,10 @@ pub struct RoundingBound {
     pub depth: f64,
     /// Depth times w.
     pub depth_over_w: f64,
+    /// A receiver's own w, in metres.
+    pub w: f64,
+    /// Metres along the axis: what linear depth adds.
+    pub metres: f64,
 }
 
 impl RoundingBound {
@@ -77,8 +81,39 @@ impl RoundingBound {
             texels_over_w: texels_over_w + metres / texel,
             depth,
             depth_over_w: depth_over_w + metres * depth_per_metre,
+            w: w_error,
+            metres: 0.0,
         }
     }
+
+    /// The bound for what a map stores of the depth that this one is for. `view` is the view that draws it, and `is_reversed` whether it draws reversed depth.
+    ///
+    /// Reversed depth of a perspective view is at most `near / w`, and so are the roundings that go by its size. Steps add what [`step_rounding`] says, the sum of a midpoint one rounding. Linear depth takes six
+    /// operations in a map and two at a receiver, each off by u of the range at most, and the receiver's w.
+    #[must_use]
+    pub fn of_store(mut self, store: Store, view: &ViewFit, is_reversed: bool) -> Self {
+        let is_perspective = view.depth_scale.w_per_metre > 0.0;
+        if is_reversed && is_perspective {
+            self.depth_over_w += self.depth * view.range.near;
+            self.depth = 0.0;
+        }
+        match store {
+            Store::Depth24 | Store::Depth16 => self.depth += step_rounding(store.steps()),
+            Store::Midpoint => self.depth += UNIT_ROUNDOFF,
+            Store::Linear if is_perspective => {
+                self.metres = 8.0 * UNIT_ROUNDOFF * view.range.far + self.w;
+            }
+            _ => {}
+        }
+        self
+    }
+}
+
+/// How far a depth from 0 to 1 is moved by rounding it to one of so many steps in f32: half a step, and as much as the product before it and the quotient after it are off.
+#[must_use]
+pub fn step_rounding(steps: f32) -> f64 {
+    let step = 1.0 / f64::from(steps);
+    0.5 * step + 2.0 * UNIT_ROUNDOFF
 }
 
 /// The largest error of each row of a matrix over points with coordinates up to `extent`.

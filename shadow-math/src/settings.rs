@@ -30,13 +30,84 @@ pub enum Split {
 }
 
 /// What does a texel remember?
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// [`depth`](crate::depth) says what each is. Whatever the map's format would be elsewhere, its texels are kept as 32-bit floats here, of which the narrower formats use some values alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Store {
     /// The depth of the nearest caster as a 32-bit float, z / w, 0 at the near plane.
     #[default]
     Depth32,
+    /// The same, rounded to a whole number of 2^24 - 1 steps.
+    Depth24,
+    /// The same, rounded to a whole number of 65,535 steps.
+    Depth16,
+    /// 1 - z / w as a 32-bit float: 1 at the near plane, 0 at the far plane.
+    Reversed32,
+    /// The distance along the view axis as a 32-bit float, 0 at the near plane and 1 at the far plane. For a directional light z / w is that.
+    Linear,
+    /// The depth of the second surface: of closed casters the side that is turned away from the light (Wang and Molnar 1994). Where there is none, nothing: an open caster that nothing lies behind casts
+    /// no shadow, and what lies right behind an open caster is lit.
+    Second,
+    /// Half-way between the first and the second surface (Woo 1992); nothing where there is no second.
+    Midpoint,
+}
+
+impl Store {
+    /// Every store.
+    pub const ALL: [Self; 7] =
+        [Self::Depth32, Self::Depth24, Self::Depth16, Self::Reversed32, Self::Linear, Self::Second, Self::Midpoint];
+
+    /// The name in settings files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth32 => "depth32",
+            Self::Depth24 => "depth24",
+            Self::Depth16 => "depth16",
+            Self::Reversed32 => "reversed32",
+            Self::Linear => "linear",
+            Self::Second => "second",
+            Self::Midpoint => "midpoint",
+        }
+    }
+
+    /// How many steps there are from 0 to 1; 0 for floats.
+    #[must_use]
+    pub fn steps(self) -> f32 {
+        match self {
+            Self::Depth24 => 16_777_215.0,
+            Self::Depth16 => 65_535.0,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Where do lookups think that texels are?
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Texels {
+    /// Texel centres lie half-way between whole numbers, as in OpenGL, Vulkan, WebGPU and Direct3D from version 10: where maps are drawn.
+    #[default]
+    #[cfg_attr(feature = "serde", serde(rename = "opengl"))]
+    OpenGl,
+    /// Pixel centres lie at whole numbers, as in Direct3D up to version 9: such programs add half a texel to their texture coordinates. On maps that are drawn by the other convention that is half a texel too
+    /// much, and this shows what the mistake costs: outlines are off by half a texel on both axes, and no bias but the receiver plane's reckons with it.
+    #[cfg_attr(feature = "serde", serde(rename = "direct3d"))]
+    Direct3d,
+}
+
+impl Texels {
+    /// How far lookups are moved, in texels on both axes.
+    #[must_use]
+    pub fn shift(self) -> f32 {
+        match self {
+            Self::OpenGl => 0.0,
+            Self::Direct3d => 0.5,
+        }
+    }
 }
 
 /// How is self-shadowing avoided?
@@ -87,6 +158,10 @@ pub struct BiasParts {
     pub receiver_plane: Option<f32>,
     /// What OGRE 1.12's sample does in its receiver.
     pub receiver_gradient: Option<ReceiverGradient>,
+    /// Casters are drawn deeper, as hardware does it. Neither for stores of two surfaces nor for linear depth, which is none of hardware's formats.
+    pub polygon_offset: Option<PolygonOffset>,
+    /// Casters are drawn deeper, as the article's shader of 2006 does it, or as its text asks for. For stores of z / w alone, and not beside a polygon offset.
+    pub ogre_2006: Option<Ogre2006>,
     /// Of single-sided casters only the back faces are drawn into the map: a closed caster's own thickness is then the bias of its lit side. Where it is thin, open or touches
     /// what it shadows, the acne is on the other side, or light leaks in. OGRE and three.js do so by default.
     pub back_faces: bool,
@@ -100,8 +175,46 @@ impl BiasParts {
         normal_offset: None,
         receiver_plane: None,
         receiver_gradient: None,
+        polygon_offset: None,
+        ogre_2006: None,
         back_faces: false,
     };
+}
+
+/// How much deeper casters are drawn: `slope * max(|dz/dx|, |dz/dy|) + units * r`, with differences from texel to texel and a unit r of one step of the format.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, rename_all = "kebab-case"))]
+pub struct PolygonOffset {
+    /// A factor on the larger of the two slopes; at least 0.
+    pub slope: f32,
+    /// How many units; at least 0.
+    pub units: f32,
+    /// The most that it may be in depth, at least 0; 0 is no limit.
+    pub clamp: f32,
+}
+
+impl Default for PolygonOffset {
+    /// A slope of 2, which a bilinear lookup needs whichever way a plane leans, and the 4 units that are customary beside it.
+    fn default() -> Self {
+        Self { slope: 2.0, units: 4.0, clamp: 0.0 }
+    }
+}
+
+/// The caster shader of "Shadow Mapping in Ogre" (Chong 2006).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, rename_all = "kebab-case"))]
+pub struct Ogre2006 {
+    /// A push away from the light along its axis, in metres, at least 0, taken to the first order.
+    pub metres: f32,
+    /// As published, the shader adds a quarter of the larger slope from texel to texel, where its text asks for a bilinear lookup's need: the sum of both. True adds that.
+    pub is_corrected: bool,
+}
+
+impl Default for Ogre2006 {
+    /// The shader's own push of one unit.
+    fn default() -> Self {
+        Self { metres: 1.0, is_corrected: false }
+    }
 }
 
 /// A bias that is read off the map: `scale * min(clamp, max(|d_right - d_left|, |d_below - d_above|)) + fixed * d` of the depths d in and around the lookup's texel.
@@ -238,6 +351,21 @@ pub struct FilterRadii {
     pub default: f32,
 }
 
+/// What becomes of light where a smooth mesh's facets turn away from it?
+///
+/// A facet that faces away is in its own shadow, while the smooth normal may still face the light: at the terminator, where day becomes night, shadows end in
+/// the facets' zigzag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Terminator {
+    /// Light ends where the facet turns away, all at once.
+    #[default]
+    Hard,
+    /// Light fades out towards there, by [`softened_terminator`](crate::shade::softened_terminator): no jump is left, but facets that turn from the light begin to show.
+    Soft,
+}
+
 /// How a light's shadow is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -248,12 +376,16 @@ pub struct ShadowSettings {
     pub split: Split,
     /// What a texel remembers.
     pub store: Store,
+    /// Where lookups think that texels are.
+    pub texels: Texels,
     /// How self-shadowing is avoided.
     pub bias: Bias,
     /// How depth tests are averaged.
     pub filter: Filter,
     /// How far the filter reaches, in texels, for those that have [radii](Filter::radii); `None` is the filter's own default.
     pub filter_radius: Option<f32>,
+    /// What becomes of light where facets turn away.
+    pub terminator: Terminator,
     /// Width and height of each map in texels, from [`MIN_MAP_SIZE`] to [`MAX_MAP_SIZE`].
     pub map_size: u32,
 }
@@ -269,9 +401,11 @@ impl Default for ShadowSettings {
             fit: Fit::default(),
             split: Split::default(),
             store: Store::default(),
+            texels: Texels::default(),
             bias: Bias::default(),
             filter: Filter::default(),
             filter_radius: None,
+            terminator: Terminator::default(),
             map_size: 2048,
         }
     }

@@ -10,8 +10,8 @@ use glam::Vec3;
 use crate::float::FloatFuncs;
 use crate::{
     approx::pow,
-    plan::{LIGHT_DIRECTIONAL, LightPlan, toward_light},
-    vector::normalized,
+    plan::{LIGHT_DIRECTIONAL, LightPlan, TERMINATOR_SOFT, toward_light},
+    vector::{normalized, unit_normal},
 };
 
 /// 1 / pi: what a matt white surface reflects in each direction of the light that falls on it.
@@ -38,6 +38,8 @@ pub struct Surface {
     pub point: Vec3,
     /// The shading normal, of unit length.
     pub normal: Vec3,
+    /// The geometric normal of its triangle, of any length above 0, turned to the viewer.
+    pub geometric_normal: Vec3,
     /// The unit vector toward the viewer.
     pub toward_viewer: Vec3,
     /// The share of each colour that is reflected, linear.
@@ -68,6 +70,27 @@ pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
     window / squared * (cone * cone)
 }
 
+/// How much is left of the light on a smooth surface that is made of flat facets: from 0, where the facet turns away from the light, to 1.
+///
+/// A mesh with smooth normals is lit where these face the light, but a facet that faces away is in its own shadow: at the terminator, where day becomes night, the
+/// facets' edges cut the light off. Here it fades instead, over the ratio G of the facet's cosine to what it would have if
+/// the facet's normal were as far from the light as the smooth one is from it: `G + G^2 - G^3`, which leaves 0 at slope 1 and arrives at 1 at slope 0.
+/// `cosine` and `geometric_cosine` are those of the angles between the light and the two normals, the first at least 0, and `between` that of the angle
+/// between the normals. Flat surfaces keep all of their light.
+///
+/// Source: Chiang, Li and Burley, "Taming the Shadow Terminator" (SIGGRAPH 2019 Talks).
+#[inline(always)]
+#[must_use]
+pub fn softened_terminator(cosine: f32, geometric_cosine: f32, between: f32) -> f32 {
+    let facing = geometric_cosine.max(0.0);
+    let expected = cosine * between;
+    let mut ratio = 1.0;
+    if expected > facing {
+        ratio = facing / expected;
+    }
+    ratio + ratio * ratio * (1.0 - ratio)
+}
+
 /// The radiance that a light adds to a surface seen by the viewer, in candela per square metre.
 ///
 /// `visibility` is from 0 to 1.
@@ -76,7 +99,11 @@ pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
 pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec3 {
     let toward = toward_light(light, surface.point);
     let direction = normalized(toward);
-    let cosine = surface.normal.dot(direction).max(0.0);
+    let mut cosine = surface.normal.dot(direction).max(0.0);
+    if light.terminator == TERMINATOR_SOFT {
+        let facet = unit_normal(surface.geometric_normal);
+        cosine *= softened_terminator(cosine, facet.dot(direction), surface.normal.dot(facet));
+    }
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
     let mut highlight = pow(surface.normal.dot(half_way).max(0.0), surface.shininess);
@@ -112,10 +139,17 @@ pub const MAX_SHININESS: f32 = 2048.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::LIGHT_POINT;
+    use crate::plan::{LIGHT_POINT, TERMINATOR_HARD};
 
     fn surface() -> Surface {
-        Surface { point: Vec3::ZERO, normal: Vec3::Y, toward_viewer: Vec3::Y, base_color: Vec3::ONE, shininess: 10.0 }
+        Surface {
+            point: Vec3::ZERO,
+            normal: Vec3::Y,
+            geometric_normal: Vec3::Y,
+            toward_viewer: Vec3::Y,
+            base_color: Vec3::ONE,
+            shininess: 10.0,
+        }
     }
 
     #[test]
@@ -150,6 +184,42 @@ mod tests {
             let share = reflected / SPECULAR_REFLECTANCE;
             assert!((0.9..1.077).contains(&share), "{share} at {shininess}");
         }
+    }
+
+    #[test]
+    fn light_fades_where_facets_turn_away() {
+        let sun = |cosine: f32, terminator: u32| LightPlan {
+            position: [(1.0 - cosine * cosine).sqrt(), cosine, 0.0],
+            intensity: [1.0; 3],
+            cone_offset: 1.0,
+            terminator,
+            ..LightPlan::default()
+        };
+        let matt = Surface { toward_viewer: -Vec3::Y, base_color: Vec3::ONE, ..surface() };
+        for degrees in [0.0_f32, 5.0, 20.0] {
+            // A facet that leans away from the light by an angle, under a light that sinks. Its normal may have any length.
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let facet = Surface { geometric_normal: Vec3::new(-sine, cosine, 0.0) * 1e-25, ..matt };
+            let mut before = f32::INFINITY;
+            for step in 0..=200_u8 {
+                let height = 1.0 - f32::from(step) / 200.0;
+                let radiance = shade_light(&sun(height, TERMINATOR_SOFT), &facet, 1.0).x;
+                let lambert = shade_light(&sun(height, TERMINATOR_HARD), &facet, 1.0).x;
+                assert!(
+                    radiance <= lambert * 1.000_001 && radiance <= before,
+                    "{degrees} degrees, {height}: {radiance} {lambert}"
+                );
+                if degrees == 0.0 {
+                    assert!((radiance - lambert).abs() <= 1e-6 * lambert);
+                }
+                let facing = facet.geometric_normal.dot(Vec3::from(sun(height, TERMINATOR_SOFT).position));
+                assert_eq!(radiance == 0.0, facing <= 0.0 || height == 0.0, "{degrees} degrees, {height}");
+                before = radiance;
+            }
+        }
+        // From the cut on the light rises from nothing, by no more than the slope of 1 that the facet's own cosine has.
+        assert!(softened_terminator(0.3, 0.003, 1.0) < 0.011);
+        assert_eq!((softened_terminator(0.3, -0.1, 1.0), softened_terminator(0.0, -0.1, 1.0)), (0.0, 1.0));
     }
 
     #[test]

@@ -32,3 +32,11 @@ pub fn normalized(v: Vec3) -> Vec3 {
     }
     v / squared.sqrt()
 }
+
+/// A normal of unit length, of one of any length above 0 that f32 can hold: scaled first, so that its square can be taken.
+#[inline(always)]
+#[must_use]
+pub fn unit_normal(normal: Vec3) -> Vec3 {
+    let largest = normal.x.abs().max(normal.y.abs()).max(normal.z.abs());
+    normalized(normal / largest)
+}

@@ -6,17 +6,18 @@ use glam::{Vec2, Vec3};
 
 use crate::{
     bias::{depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
+    depth::{DEPTH_REVERSED, depth_limits, linear_bias, receiver_depth},
     filter::{filtered_test, stored_gradient, turn::turn_of_pixel},
     fit::cube_face_of,
     plan::{
         BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light,
     },
-    vector::{normalized, row_times_point, row_times_vector},
+    vector::{row_times_point, row_times_vector, unit_normal},
 };
 
 /// The way to the shadow maps.
 pub trait MapAccess {
-    /// The depth that texel `(x, y)` of a layer holds; 1 where nothing was drawn. Coordinates lie inside the layer.
+    /// What texel `(x, y)` of a layer holds; where nothing was drawn that is 1, or 0 with reversed depth. Coordinates lie inside the layer.
     fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32;
 }
 
@@ -54,7 +55,7 @@ pub struct Lookup {
     pub known: f32,
     /// Where, in texels of the view's layer.
     pub texel: Vec2,
-    /// The receiver's depth.
+    /// The receiver's depth, in the [order](crate::depth::comparable_depth) in which depths are compared.
     pub depth: f32,
     /// The bias.
     pub bias: f32,
@@ -122,25 +123,42 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     let mut slope_limit = 0.0;
     if light.bias & BIAS_RECEIVER_PLANE != 0 {
         slope = depth_gradient(view, receiver.point, receiver.normal);
+        if view.depth_kind == DEPTH_REVERSED {
+            slope = -slope;
+        }
         slope_limit = plane_limit(light, view, w);
     }
     let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, w));
     let w = row_times_point(view.clip_w, point);
     let x = row_times_point(view.clip_x, point) / w;
     let y = row_times_point(view.clip_y, point) / w;
-    let z = row_times_point(view.clip_z, point) / w;
-    let texel = Vec2::new(x * view.texel_scale[0] + view.texel_offset[0], y * view.texel_scale[1] + view.texel_offset[1]);
+    let z = receiver_depth(view, row_times_point(view.clip_z, point) / w, w);
+    let [nearest, farthest] = depth_limits(view);
+    let texel = Vec2::new(
+        x * view.texel_scale[0] + view.texel_offset[0] + light.texel_shift,
+        y * view.texel_scale[1] + view.texel_offset[1] + light.texel_shift,
+    );
     let left = view.rect[0] as f32;
     let top = view.rect[1] as f32;
     let inside = texel.x >= left && texel.y >= top && texel.x < left + view.rect[2] as f32 && texel.y < top + view.rect[3] as f32;
-    if !inside || z < 0.0 {
+    if !inside || z < nearest {
         return known(1.0);
     }
     let mut turn = Vec2::X;
     if light.filter == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    Lookup { view: view_index, known: 0.0, texel, depth: z.min(1.0), bias, turn, footprint, slope, slope_limit }
+    Lookup {
+        view: view_index,
+        known: 0.0,
+        texel,
+        depth: z.min(farthest),
+        bias: linear_bias(view, w, bias),
+        turn,
+        footprint,
+        slope,
+        slope_limit,
+    }
 }
 
 /// The sides of a receiver's pixel in a view's map, in texels; zero where the filter does not look at them. `w` is the receiver's.
@@ -161,14 +179,6 @@ pub fn footprint(light: &LightPlan, view: &ViewPlan, receiver: &Receiver, w: f32
         Vec2::new(moved_x * view.texel_scale[0], moved_y * view.texel_scale[1])
     };
     [side(receiver.steps[0]), side(receiver.steps[1])]
-}
-
-/// A normal of unit length, of one of any length above 0 that f32 can hold: scaled first, so that its square can be taken.
-#[inline(always)]
-#[must_use]
-pub fn unit_normal(normal: Vec3) -> Vec3 {
-    let largest = normal.x.abs().max(normal.y.abs()).max(normal.z.abs());
-    normalized(normal / largest)
 }
 
 /// How much of a light reaches a receiver: from 0, shadowed, to 1, lit.

@@ -45,6 +45,9 @@ pub const MIRRORS: &[ShaderFile] = &[
     shaders::VECTOR,
     shaders::LIGHT,
     shaders::TRIANGLE,
+    shaders::DEPTH,
+    shaders::GRADIENT,
+    shaders::CASTER,
     shaders::BIAS,
     shaders::FILTER,
     shaders::VISIBILITY,
@@ -83,6 +86,7 @@ pub fn evaluate(
         var<private> invocation: u32;
         fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
         fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
+        fn depth_kind(view: u32) -> u32 {{ return views[view].depth_kind; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return depths[(layer * MAP_SIZE + y) * MAP_SIZE + x]; }}
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}

@@ -15,6 +15,8 @@ use shadow_gpu::shaders::{
 };
 use shadow_math::{
     bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS, OFFSET_SLOPE},
+    caster::{CASTER_OGRE_2006, CASTER_OGRE_2006_CORRECTED, CASTER_PLAIN, CASTER_POLYGON_OFFSET, MAX_CASTER_SLOPE},
+    depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, LAYER_FIRST, LAYER_MIDPOINT, LAYER_SECOND},
     filter::{
         FOOTPRINT_TESTS_PER_TEXEL, MAX_FOOTPRINT_TESTS,
         turn::{DITHER, TURNS},
@@ -24,10 +26,10 @@ use shadow_math::{
         WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
-        BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_GRADIENT,
-        BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_FOOTPRINT, FILTER_HARD,
-        FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE,
-        SPLIT_SINGLE, ViewPlan,
+        BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC,
+        FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays,
+        SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
     },
     shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
@@ -144,6 +146,10 @@ fn layouts() -> Vec<Layout> {
             gradient_fixed,
             gradient_clamp,
             gradient_scale,
+            terminator,
+            texel_shift,
+            padding_0,
+            padding_1,
             filter_table,
         }),
         layout!(ViewPlan {
@@ -165,6 +171,18 @@ fn layouts() -> Vec<Layout> {
             texel_metres,
             layer,
             depth_kind,
+            depth_layer,
+            depth_steps,
+            range_over_near,
+            rounding_metres,
+            linear_scale,
+            linear_offset,
+            caster_kind,
+            caster_slope,
+            caster_units,
+            caster_limit,
+            caster_asymptote,
+            caster_push,
             rect,
         }),
         layout!(TextureData { first_word, width, height, wrap_u, wrap_v }),
@@ -233,6 +251,21 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         BIAS_RECEIVER_PLANE,
         BIAS_RECEIVER_GRADIENT,
         BIAS_BACK_FACES,
+        BIAS_POLYGON_OFFSET,
+        BIAS_OGRE_2006,
+        CASTER_OGRE_2006,
+        CASTER_OGRE_2006_CORRECTED,
+        CASTER_PLAIN,
+        CASTER_POLYGON_OFFSET,
+        DEPTH_LINEAR,
+        DEPTH_REVERSED,
+        DEPTH_Z_OVER_W,
+        LAYER_FIRST,
+        LAYER_MIDPOINT,
+        LAYER_SECOND,
+        MAX_CASTER_SLOPE,
+        TERMINATOR_HARD,
+        TERMINATOR_SOFT,
         FILTER_HARD,
         FILTER_BILINEAR,
         FILTER_SEPARABLE,
@@ -292,6 +325,7 @@ fn mirrors_source() -> String {
         fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
         fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
         fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
+        fn depth_kind(view: u32) -> u32 {{ return views[view].depth_kind; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return 1.0; }}",
         join(MIRRORS)
     )

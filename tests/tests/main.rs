@@ -3,6 +3,7 @@
 mod tidy;
 mod invariants;
 mod layout;
+mod matrix;
 mod mirrors;
 mod comparator;
 mod analytic;
@@ -19,4 +20,5 @@ mod agreement;
 mod sweep;
 mod program;
 mod program_files;
+mod program_rival;
 mod program_scenes;

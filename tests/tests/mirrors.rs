@@ -10,9 +10,11 @@ use std::sync::OnceLock;
 use glam::{Vec2, Vec3, Vec4};
 use shadow_gpu::DriverRules;
 use shadow_math::{
-    Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, approx,
+    Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, Store, Terminator, Texels, approx,
     bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
     bounds::Aabb,
+    caster::{CASTER_POLYGON_OFFSET, caster_offset, pushed_depth},
+    depth::{DEPTH_LINEAR, comparable_depth, depth_limits, depth_of_two, encoded_depth, linear_bias, receiver_depth},
     filter::{
         depth_test, disc_place, filtered_test, footprint_counts, footprint_place, stored_gradient, support, tap_depth,
         taps::{for_each_test_place, for_each_weighted_tap},
@@ -27,12 +29,12 @@ use shadow_math::{
         BIAS_AUTOMATIC, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan,
         MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
-    settings::{BiasParts, ReceiverGradient},
-    shade::{Surface, attenuation, shade_ambient, shade_light},
+    settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
+    shade::{Surface, attenuation, shade_ambient, shade_light, softened_terminator},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
-    vector::{normalized, row_times_point, row_times_vector},
-    visibility::{Lookup, NO_VIEW, lookup, unit_normal, visibility},
+    vector::{normalized, row_times_point, row_times_vector, unit_normal},
+    visibility::{Lookup, NO_VIEW, lookup, visibility},
 };
 use shadow_tests::{
     mirror::{Globals, MIRRORS, evaluate, ulps},
@@ -117,6 +119,19 @@ const TABLE: &[Mirror] = &[
         twin: |_, i| vec![sum(row_times_vector([i[0], i[1], i[2], 7.0], v3(i, 3)), &[v3(i, 0) * v3(i, 3)])],
         bound: 6,
         reason: "three roundings of the terms on each side",
+    },
+    Mirror {
+        file: "vector",
+        functions: &["unit_normal"],
+        statements: "output3(0u, unit_normal(input3(0u)));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            let edges = [[1e-30, 0.0, 0.0], [1e30, -1e30, 1e30], [0.0, -1e-38, 0.0]];
+            random.groups(&edges, |random| random.vector(3.0).to_array())
+        },
+        twin: |_, i| unit_normal(v3(i, 0)).to_array().map(Number::from).to_vec(),
+        bound: 6,
+        reason: "two quotients, a sum and a square root",
     },
     Mirror {
         file: "vector",
@@ -264,7 +279,125 @@ const TABLE: &[Mirror] = &[
         reason: "two quotients of dot products that may be five times as small as their terms",
     },
     Mirror {
-        file: "bias",
+        file: "depth",
+        functions: &["encoded_depth", "nearest_whole"],
+        statements: "output(0u, encoded_depth(u32(input(0u)), input(1u)));",
+        inputs_each: 2,
+        inputs: |world, random| {
+            random.groups::<2>(&[], |random| {
+                let drawn = [0.0, 1.0, 0.5, random.unit(), random.unit() * 1e-6][random.below(5) as usize];
+                [random.below(world.globals.views.len() as u32) as f32, drawn]
+            })
+        },
+        twin: |world, i| {
+            let view = world.view(i[0]);
+            // One step of rounded depth, where a product lies on the border between two.
+            let step = if view.depth_steps > 0.0 { f32::INFINITY } else { 1.0 };
+            let scaled = i[1] * view.depth_steps;
+            let is_border = (scaled - scaled.floor() - 0.5).abs() < 0.01;
+            vec![Number { value: encoded_depth(view, i[1]), scale: if is_border { step } else { 1.0 } }]
+        },
+        bound: 4,
+        reason: "a quotient of two sums, of which one has a product",
+    },
+    Mirror {
+        file: "depth",
+        functions: &["comparable_depth", "receiver_depth", "depth_limits"],
+        statements: "let view = u32(input(0u));
+            output(0u, comparable_depth(view, input(1u)));
+            output(1u, receiver_depth(view, input(1u), input(2u)));
+            output(2u, depth_limits(view).x);
+            output(3u, depth_limits(view).y);",
+        inputs_each: 3,
+        inputs: |world, random| {
+            random.groups::<3>(&[], |random| {
+                [random.below(world.globals.views.len() as u32) as f32, random.unit(), random.within(0.01, 20.0)]
+            })
+        },
+        twin: |world, i| {
+            let view = world.view(i[0]);
+            let [nearest, farthest] = depth_limits(view);
+            let terms = i[2] * view.linear_scale + view.linear_offset.abs();
+            let received = Number { value: receiver_depth(view, i[1], i[2]), scale: terms.max(1.0) };
+            let exact = |value: f32| Number { value, scale: 1.0 };
+            vec![exact(comparable_depth(view, i[1])), received, exact(nearest), exact(farthest)]
+        },
+        bound: 2,
+        reason: "a product and a sum",
+    },
+    Mirror {
+        file: "depth",
+        functions: &["linear_bias", "depth_of_two"],
+        statements: "let view = u32(input(0u));
+            output(0u, linear_bias(view, input(1u), input(2u)));
+            output(1u, depth_of_two(view, input(2u), input(3u)));",
+        inputs_each: 4,
+        inputs: |world, random| {
+            random.groups::<4>(&[], |random| {
+                let view = random.below(world.globals.views.len() as u32) as f32;
+                [view, random.within(0.1, 20.0), [0.0, 1.0, random.unit(), 1e-4][random.below(4) as usize], random.unit()]
+            })
+        },
+        twin: |world, i| {
+            let view = world.view(i[0]);
+            let of_two = Number { value: depth_of_two(view, i[2], i[3]), scale: 1.0 };
+            vec![Number::from(linear_bias(view, i[1], i[2])), of_two]
+        },
+        bound: 8,
+        reason: "a quotient, four products and a sum",
+    },
+    Mirror {
+        file: "caster",
+        functions: &["caster_offset", "corner_depth", "depth_unit"],
+        statements: "output(0u, caster_offset(u32(input(0u)), input3(1u), input3(4u), input3(7u)));",
+        inputs_each: 10,
+        inputs: |world, random| {
+            random.groups::<10>(&[], |random| {
+                let view = random.below(world.globals.views.len() as u32) as f32;
+                let (a, b) = (random.vector(6.0), random.vector(1.0));
+                // Some triangles have no area.
+                let c = if random.below(16) == 0 { b } else { random.vector(1.0) };
+                let (b, c) = (a + b, a + c);
+                [view, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
+            })
+        },
+        twin: |world, i| {
+            let (view, a, b, c) = (world.view(i[0]), v3(i, 1), v3(i, 4), v3(i, 7));
+            let value = caster_offset(view, a, b, c);
+            let slope = magnitude_of_gradient(view, a, (b - a).cross(c - a));
+            let of_normal = 4.0 * ((b - a).abs().dot((c - a).abs()) + a.abs().max_element() * (b - a).abs().max_element());
+            let steep = (slope.x + slope.y) * (1.0 + of_normal / (b - a).cross(c - a).length());
+            // The unit doubles where the largest depth of a corner crosses a power of two.
+            let depth = |p: Vec3| (row_times_point(view.clip_z, p) / row_times_point(view.clip_w, p)).clamp(0.0, 1.0);
+            let mantissa = depth(a).max(depth(b)).max(depth(c)).to_bits() & 0x7f_ffff;
+            let doubles = view.caster_kind == CASTER_POLYGON_OFFSET && view.depth_steps == 0.0 && !(16..0x7f_fff0).contains(&mantissa);
+            let scale = if doubles { f32::INFINITY } else { steep * view.caster_slope + view.caster_units };
+            vec![Number { value, scale: if scale.is_nan() { f32::INFINITY } else { scale } }]
+        },
+        bound: 64,
+        reason: "the gradient of a normal that is itself a difference of products",
+    },
+    Mirror {
+        file: "caster",
+        functions: &["pushed_depth"],
+        statements: "output(0u, pushed_depth(u32(input(0u)), input(1u), input(2u)));",
+        inputs_each: 3,
+        inputs: |world, random| {
+            random.groups::<3>(&[], |random| {
+                let view = random.below(world.globals.views.len() as u32) as f32;
+                [view, random.within(-0.1, 1.1), [0.0, 1.0, random.unit(), 1e-3][random.below(4) as usize]]
+            })
+        },
+        twin: |world, i| {
+            let view = world.view(i[0]);
+            let scale = 2.0 + view.caster_asymptote * view.caster_asymptote * view.caster_push;
+            vec![Number { value: pushed_depth(view, i[1], i[2]), scale }]
+        },
+        bound: 8,
+        reason: "three sums and two products",
+    },
+    Mirror {
+        file: "gradient",
         functions: &["depth_gradient", "normal_derivative"],
         statements: "let gradient = depth_gradient(u32(input(0u)), input3(1u), input3(4u));
             output(0u, gradient.x);
@@ -358,19 +491,6 @@ const TABLE: &[Mirror] = &[
         reason: "the gradient of a normal that is itself rounded, and three more products and a quotient",
     },
     Mirror {
-        file: "visibility",
-        functions: &["unit_normal"],
-        statements: "output3(0u, unit_normal(input3(0u)));",
-        inputs_each: 3,
-        inputs: |_, random| {
-            let edges = [[1e-30, 0.0, 0.0], [1e30, -1e30, 1e30], [0.0, -1e-38, 0.0]];
-            random.groups(&edges, |random| random.vector(3.0).to_array())
-        },
-        twin: |_, i| unit_normal(v3(i, 0)).to_array().map(Number::from).to_vec(),
-        bound: 6,
-        reason: "two quotients, a sum and a square root",
-    },
-    Mirror {
         file: "filter",
         functions: &["support"],
         statements: "let sides = Footprint(vec2f(input(3u), input(4u)), vec2f(input(5u), input(6u)));
@@ -422,7 +542,7 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "filter",
         functions: &["tap_depth", "tap_test"],
-        statements: "let asked = Lookup(0u, 0.0, vec2f(input(1u), input(2u)), input(3u), 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT, vec2f(input(4u), input(5u)),
+        statements: "let asked = Lookup(lights[u32(input(0u))].first_view, 0.0, vec2f(input(1u), input(2u)), input(3u), 0.0, vec2f(1.0, 0.0), NO_FOOTPRINT, vec2f(input(4u), input(5u)),
             input(6u));
             output(0u, tap_depth(u32(input(0u)), asked, i32(input(7u)), i32(input(8u))));",
         inputs_each: 9,
@@ -442,7 +562,8 @@ const TABLE: &[Mirror] = &[
                 slope_limit: i[6],
                 ..Lookup::default()
             };
-            vec![Number { value: tap_depth(world.light(i[0]), &lookup, i[7] as i32, i[8] as i32), scale: 4.0 }]
+            let view = &world.globals.views[world.light(i[0]).first_view as usize];
+            vec![Number { value: tap_depth(world.light(i[0]), view, &lookup, i[7] as i32, i[8] as i32), scale: 4.0 }]
         },
         bound: 16,
         reason: "differences of texels, times a slope",
@@ -858,17 +979,33 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "shade",
+        functions: &["softened_terminator"],
+        statements: "output(0u, softened_terminator(input(0u), input(1u), input(2u)));",
+        inputs_each: 3,
+        inputs: |_, random| {
+            let edges = [[0.0; 3], [1.0; 3], [0.5, -0.5, 0.5], [0.5, 0.0, -1.0], [0.0, -1.0, 1.0]];
+            random.groups(&edges, |random| [random.unit(), random.within(-1.0, 1.0), random.within(-1.0, 1.0)])
+        },
+        twin: |_, i| {
+            // Beside the choice the ratio is near 1 on both sides of it.
+            vec![Number { value: softened_terminator(i[0], i[1], i[2]), scale: 1.0 }]
+        },
+        bound: 6,
+        reason: "a quotient and three products",
+    },
+    Mirror {
+        file: "shade",
         functions: &["shade_light"],
-        statements: "let surface = Surface(input3(1u), input3(4u), input3(7u), input3(10u), input(13u));
-            output3(0u, shade_light(u32(input(0u)), surface, input(14u)));",
-        inputs_each: 15,
-        inputs: |world, random| random.groups::<15>(&[], |random| world.light_and_surface(random)),
+        statements: "let surface = Surface(input3(1u), input3(4u), input3(7u), input3(10u), input3(13u), input(16u));
+            output3(0u, shade_light(u32(input(0u)), surface, input(17u)));",
+        inputs_each: 18,
+        inputs: |world, random| random.groups::<18>(&[], |random| world.light_and_surface(random)),
         twin: |world, i| {
             let (light, surface) = (world.light(i[0]), surface(&i[1..]));
             let toward = toward_light(light, surface.point);
             let specular = (surface.shininess + 8.0) * (surface.shininess + 8.0);
             let scale = Vec3::from(light.intensity) * (surface.base_color + specular) * magnitude_of_attenuation(light, toward);
-            scaled(shade_light(light, &surface, i[14]), scale)
+            scaled(shade_light(light, &surface, i[17]), scale)
         },
         bound: 64,
         reason: "a power of a rounded cosine: its error times the exponent",
@@ -876,15 +1013,15 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "shade",
         functions: &["shade_ambient"],
-        statements: "let surface = Surface(input3(3u), input3(6u), input3(9u), input3(12u), input(15u));
+        statements: "let surface = Surface(input3(3u), input3(6u), input3(9u), input3(12u), input3(15u), input(18u));
             output3(0u, shade_ambient(input3(0u), surface));",
-        inputs_each: 16,
+        inputs_each: 19,
         inputs: |world, random| {
-            random.groups(&[[0.0; 16]], |random| {
+            random.groups(&[[0.0; 19]], |random| {
                 let ambient = (random.vector(1.0) * 20_000.0).abs();
-                let mut group =
-                    [ambient.x, ambient.y, ambient.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-                group[3..].copy_from_slice(&world.light_and_surface(random)[1..14]);
+                let mut group = [0.0; 19];
+                group[..3].copy_from_slice(&ambient.to_array());
+                group[3..].copy_from_slice(&world.light_and_surface(random)[1..17]);
                 group
             })
         },

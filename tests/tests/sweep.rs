@@ -11,8 +11,8 @@ use std::{
 use shadow_cpu::{CpuRenderer, PreparedScene};
 use shadow_gpu::GpuScene;
 use shadow_math::{
-    Bias, Filter, ShadowSettings,
-    settings::{BiasParts, ReceiverGradient},
+    Bias, Filter, ShadowSettings, Store,
+    settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
 };
 use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
 use shadow_tests::{
@@ -102,6 +102,8 @@ impl Sweep {
     fn lit_scene(&mut self, case: &str, scene: &Scene, prepared: &PreparedScene<'_>, uploaded: &GpuScene) {
         // Filters and biases take turns, so that each meets scenes of every kind; at full size the default meets all of them, and every other filter a small picture of them.
         let turn = self.tally.comparisons;
+        let store = Store::ALL[turn % Store::ALL.len()];
+        let bias = |turn: usize| bias_for(store, bias(turn));
         let chosen: Vec<_> = if is_full() {
             let others = Filter::ALL.into_iter().filter(|&filter| filter != Filter::default());
             let small = others.enumerate().map(|(index, filter)| (filter, bias(turn + index), Sizes::SMALL));
@@ -110,8 +112,8 @@ impl Sweep {
             vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes)]
         };
         for (filter, bias, sizes) in chosen {
-            let case = format!("{case} {} {bias:?}", filter.name());
-            let settings = ShadowSettings { filter, bias, map_size: sizes.map, ..ShadowSettings::default() };
+            let case = format!("{case} {} {bias:?} {}", filter.name(), store.name());
+            let settings = ShadowSettings { filter, bias, store, map_size: sizes.map, ..ShadowSettings::default() };
             match self.compare(&case, scene, &settings, sizes.picture, prepared, uploaded) {
                 Ok(layers) => {
                     self.tally.comparisons += 1;
@@ -149,6 +151,19 @@ impl Sweep {
     }
 }
 
+/// The bias, or the automatic one where it has no meaning with what the map holds.
+fn bias_for(store: Store, bias: Bias) -> Bias {
+    let Bias::Parts(parts) = bias else { return bias };
+    let needs_a_format = parts.polygon_offset.is_some() || parts.ogre_2006.is_some();
+    let needs_z_over_w = parts.receiver_plane.is_some() || parts.receiver_gradient.is_some();
+    let is_meaningful = match store {
+        Store::Depth32 | Store::Depth24 | Store::Depth16 => true,
+        Store::Second | Store::Midpoint => !needs_a_format,
+        _ => !needs_a_format && !needs_z_over_w,
+    };
+    if is_meaningful { bias } else { Bias::Automatic }
+}
+
 /// The bias of a turn: every second one is the automatic, the others are the parts, alone and all together.
 fn bias(turn: usize) -> Bias {
     let gradient = ReceiverGradient { scale: 1.0, ..ReceiverGradient::default() };
@@ -166,7 +181,10 @@ fn bias(turn: usize) -> Bias {
             receiver_plane: Some(1.0),
             receiver_gradient: Some(gradient),
             back_faces: true,
+            ..BiasParts::NONE
         },
+        BiasParts { polygon_offset: Some(PolygonOffset::default()), ..BiasParts::NONE },
+        BiasParts { ogre_2006: Some(Ogre2006 { metres: 0.01, is_corrected: true }), ..BiasParts::NONE },
     ];
     if turn.is_multiple_of(2) { Bias::Automatic } else { Bias::Parts(parts[turn / 2 % parts.len()]) }
 }

@@ -1,14 +1,16 @@
 //! `shadow bench`: how long the backends take for the same frame.
 
 mod filters;
+mod rival;
 
 use serde::Serialize;
 use shadow_cpu::RasterRules;
 use shadow_scene::StageTimes;
 
+use self::rival::RivalReport;
 use super::{PictureReport, Verdict};
 use crate::{
-    args::BenchArgs,
+    args::{Backend, BenchArgs},
     backend::{OnceTimes, OpenBackend, RayRates, check_machine, milliseconds_since},
     console::{Console, count, print, print_json, table},
     error::CliError,
@@ -37,6 +39,8 @@ struct Report<'a> {
     backends: Vec<BackendReport>,
     /// Null for one backend.
     ratios: Option<Ratios>,
+    /// Null unless another tracer was asked for.
+    rival: Option<RivalReport>,
 }
 
 /// What one backend took.
@@ -152,6 +156,9 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     if let Some(list) = &args.filters {
         return filters::run(args, &list.0, &console);
     }
+    if args.rival.is_some() && !backends.contains(&Backend::Trace) {
+        return Err(CliError::RivalWithoutTracer);
+    }
     let job = Job::resolve(&args.picture, &args.bias, &console)?;
     memory::check(&job, Work::Bench(backends))?;
 
@@ -184,6 +191,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     }
     console.finish();
 
+    let rival = match (&args.rival, contenders.iter().find_map(|contender| contender.backend.tracer())) {
+        (None, _) => None,
+        (Some(program), Some((tracer, view))) => Some(rival::race(program, tracer, view, &console)?),
+        (Some(_), None) => return Err(CliError::RivalWithoutTracer),
+    };
+    console.finish();
     let ratios = match &contenders[..] {
         [first, second] => Some(Ratios::of([first.name, second.name], [&first.rounds, &second.rounds])),
         _ => None,
@@ -195,6 +208,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
         frames: args.frames,
         backends: contenders.iter().map(BackendReport::of).collect(),
         ratios,
+        rival,
     };
     if args.json { print_json(&report) } else { print(&text(&report)) }?;
     Ok(Verdict::Done)
@@ -257,6 +271,9 @@ fn text(report: &Report<'_>) -> String {
              shading {:.2}\n",
             medians.total, medians.shadow_maps, medians.camera, medians.shading
         ));
+    }
+    if let Some(rival) = &report.rival {
+        text.push_str(&rival.text());
     }
     for backend in &report.backends {
         if let Some(RayRates { camera, shadow }) = backend.million_rays_per_second {
@@ -323,6 +340,7 @@ mod tests {
             frames: 1,
             backends: vec![backend("cpu", None), backend("gpu", Some("a driver"))],
             ratios: Some(Ratios::of(["cpu", "gpu"], [&rounds, &rounds])),
+            rival: None,
         };
         let text = text(&report);
         for part in [

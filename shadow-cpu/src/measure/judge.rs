@@ -424,7 +424,10 @@ fn cause_by_taps(receiver: &SurfacePoint, taken: &Taken<'_>, sees_center: bool, 
     }
     let gap = taps.gap_metres(light, lookup);
     let blocker = rays.blocker_of_center(receiver, light);
-    let is_nearer = blocker.is_some_and(|(ray, hit)| ray.direction().length() * hit.distance <= gap);
+    let is_nearer = blocker.is_some_and(|(ray, hit)| {
+        let pushed = taps.pushed_metres(light, ray.at(hit.distance), &rays.corners(hit.triangle));
+        ray.direction().length() * hit.distance <= gap + pushed
+    });
     Found::of(if is_nearer { Cause::PeterPanning } else { Cause::Leak })
 }
 

@@ -12,7 +12,8 @@ use shadow_math::{
     fit::cube_face_of,
     plan::{FILTER_DISC, LIGHT_DIRECTIONAL, LIGHT_SPOT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
     vector::row_times_point,
-    visibility::{Lookup, NO_VIEW, footprint, unit_normal},
+    vector::unit_normal,
+    visibility::{Lookup, NO_VIEW, footprint},
 };
 
 /// How far a rule moves a receiver along its normal.

@@ -4,6 +4,8 @@ use core::f64::consts::SQRT_2;
 
 use glam::{DVec2, DVec3, DVec4, IVec2};
 use shadow_math::{
+    caster::{CASTER_PLAIN, caster_offset, pushed_depth},
+    depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, DepthScale, LAYER_FIRST, comparable_depth, depth_limits},
     filter::taps::for_each_weighted_tap,
     fit::cube_face_of,
     plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
@@ -87,7 +89,7 @@ impl<'a> Taps<'a> {
             if !is_inside {
                 return None;
             }
-            let stored = maps.fetch_texel(self.view.layer, texel.x as u32, texel.y as u32);
+            let stored = comparable_depth(self.view, maps.fetch_texel(self.view.layer, texel.x as u32, texel.y as u32));
             let is_lit = lookup.depth <= stored + lookup.bias;
             let behind = self.point(texel, [0.0; 2])?.position;
             (!is_lit).then_some(HidingTap { texel, stored, behind })
@@ -97,21 +99,28 @@ impl<'a> Taps<'a> {
     /// Whether a tap's texel can hold what it does where the light meets this surface first: the depth of the surface's plane, at the texel's centre or beside it by as
     /// much as a map can be off.
     pub(super) fn can_hold(&self, tap: &HidingTap, seen: &SurfacePoint) -> bool {
+        // A second surface, and a caster that is drawn deeper, have other depths than what is seen first.
+        if self.view.depth_layer != LAYER_FIRST || self.view.caster_kind != CASTER_PLAIN {
+            return true;
+        }
         let e = self.outline_error;
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
         let w = row(self.view.clip_w).dot(seen.position.extend(1.0));
-        let rounding = f64::from(self.view.rounding_depth[0]) + f64::from(self.view.rounding_depth[1]) / w;
+        let metres = DepthScale { factor: f64::from(self.view.depth_factor), w_per_metre: f64::from(self.view.w_per_metre) };
+        let rounding = f64::from(self.view.rounding_depth[0])
+            + f64::from(self.view.rounding_depth[1]) / w
+            + metres.depth_of_metres(w, f64::from(self.view.rounding_metres));
         let depth_at = |[x, y]: [f64; 2]| {
             let place = [f64::from(tap.texel.x) + 0.5 + x * e, f64::from(tap.texel.y) + 0.5 + y * e];
             let point = point_behind(self.view, place, seen)?.position.extend(1.0);
-            Some(row(self.view.clip_z).dot(point) / row(self.view.clip_w).dot(point))
+            Some(row(self.view.clip_z).dot(point) / row(self.view.clip_w).dot(point)).map(|z| forward_depth(self.view, z))
         };
         // A plane that the light runs along can have any depth.
         let depths: Option<Vec<f64>> = AROUND.into_iter().map(depth_at).collect();
         depths.is_none_or(|depths| {
             let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
             let farthest = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (nearest - rounding..=farthest + rounding).contains(&f64::from(tap.stored))
+            (nearest - rounding..=farthest + rounding).contains(&z_over_w(self.view, f64::from(tap.stored)))
         })
     }
 
@@ -168,17 +177,52 @@ impl<'a> Taps<'a> {
 
     /// The gap that the bias leaves: how far before the receiver's plane the depth lies that is compared, in metres along the light's ray through the lookup.
     pub(super) fn gap_metres(&self, light: &SceneLight, lookup: &Lookup) -> f64 {
-        let depth = f64::from(lookup.depth) - f64::from(lookup.bias);
+        let depth = z_over_w(self.view, f64::from(lookup.depth) - f64::from(lookup.bias));
         let Some(behind) = self.behind(lookup) else { return 0.0 };
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
-        let depth_behind = row(self.view.clip_z) / row(self.view.clip_w);
+        let depth_behind = forward_depth(self.view, row(self.view.clip_z) / row(self.view.clip_w));
         metres_before(light, self.view, behind.position, depth_behind - depth)
+    }
+
+    /// How far behind itself a blocker was drawn into the map, in metres along the light's ray through a point of it.
+    pub(super) fn pushed_metres(&self, light: &SceneLight, point: DVec3, corners: &[DVec3; 3]) -> f64 {
+        if self.view.caster_kind == CASTER_PLAIN {
+            return 0.0;
+        }
+        let [v0, v1, v2] = corners.map(DVec3::as_vec3);
+        let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(point.extend(1.0));
+        let w = row(self.view.clip_w);
+        let drawn = row(self.view.clip_z) / w;
+        let pushed = f64::from(pushed_depth(self.view, drawn as f32, caster_offset(self.view, v0, v1, v2)));
+        // Where nothing is farther than it was drawn, it hides nothing.
+        if pushed == f64::from(depth_limits(self.view)[1].abs()) {
+            return f64::INFINITY;
+        }
+        -metres_before(light, self.view, point, -(forward_depth(self.view, pushed) - forward_depth(self.view, drawn)).max(0.0))
     }
 
     fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {
         let place = [f64::from(texel.x) + 0.5 + offset[0], f64::from(texel.y) + 0.5 + offset[1]];
         let point = point_behind(self.view, place, self.receiver)?;
         Some(SurfacePoint { lift: self.lift, ..point })
+    }
+}
+
+/// z / w of a clip depth divided by w, whichever way the view draws it.
+fn forward_depth(view: &ViewPlan, depth: f64) -> f64 {
+    if view.depth_kind == DEPTH_Z_OVER_W { depth } else { 1.0 - depth }
+}
+
+/// z / w of a depth in the order in which depths are compared.
+fn z_over_w(view: &ViewPlan, comparable: f64) -> f64 {
+    match view.depth_kind {
+        DEPTH_REVERSED => 1.0 + comparable,
+        DEPTH_LINEAR => {
+            let [near, far] = view.depth_range.map(f64::from);
+            let w = (comparable - f64::from(view.linear_offset)) / f64::from(view.linear_scale);
+            far / (far - near) - f64::from(view.depth_factor) / w
+        }
+        _ => comparable,
     }
 }
 

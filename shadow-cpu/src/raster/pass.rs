@@ -57,7 +57,7 @@ pub struct Target {
 }
 
 impl Target {
-    fn tiles_wide(&self) -> usize {
+    pub(super) fn tiles_wide(&self) -> usize {
         (self.width as usize).div_ceil(TILE_SIZE)
     }
 
@@ -85,7 +85,7 @@ pub fn rasterize_depth(
     check_target(target, depth.len());
     let chunks = scratch.bin(positions, triangles, runs, target, rules);
     let width = target.width as usize;
-    depth.par_chunks_mut(width * TILE_SIZE).enumerate().for_each_init(DepthTile::default, |tile, (tile_y, band)| {
+    depth.par_chunks_mut(width * TILE_SIZE).enumerate().for_each_init(DepthTile::<false>::default, |tile, (tile_y, band)| {
         for tile_x in 0..target.tiles_wide() {
             draw_tile(tile, chunks, target, tile_x, tile_y, rules, alpha_test);
             copy_tile(&tile.depth, band, width, tile_x, |depth| depth);
@@ -126,7 +126,7 @@ pub fn rasterize_visibility(
     });
 }
 
-fn check_target(target: &Target, len: usize) {
+pub(super) fn check_target(target: &Target, len: usize) {
     assert_eq!(len, target.width as usize * target.height as usize, "the target's memory must fit its size");
     assert!(
         target.width.max(target.height) <= MAX_TARGET_SIZE,
@@ -160,7 +160,7 @@ pub struct Scratch {
 
 impl Scratch {
     /// Transforms the vertices and bins the triangles; the chunks in order.
-    fn bin(
+    pub(super) fn bin(
         &mut self,
         positions: &Positions,
         triangles: &[[u32; 3]],
@@ -285,7 +285,7 @@ impl Waiting {
     }
 }
 
-fn draw_tile<T: Tile, A: AlphaTest>(
+pub(super) fn draw_tile<T: Tile, A: AlphaTest>(
     tile: &mut T,
     chunks: &[Bins],
     target: &Target,

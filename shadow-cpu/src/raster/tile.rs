@@ -13,16 +13,16 @@ pub(crate) const STRIDE: usize = TILE_SIZE + LANES;
 /// Rows are drawn in steps of so many; those beyond the last row fall into the padding.
 pub(crate) const ROW_STEP: usize = 4;
 /// Pixels of a tile with its padding.
-const PIXELS: usize = STRIDE * (TILE_SIZE + ROW_STEP);
+pub(crate) const PIXELS: usize = STRIDE * (TILE_SIZE + ROW_STEP);
 /// Blocks of a vector's width and as many rows in a row of a tile, and in a column of it.
 pub(crate) const ROW_BLOCKS: usize = TILE_SIZE / LANES;
 
 /// The depth of a shadow map where nothing was drawn.
 pub(crate) const FAR_DEPTH: f32 = 1.0;
 
-/// A tile of a depth map: the smallest depth wins.
+/// A tile of a depth map: the smallest depth wins, and of reversed depths the largest.
 #[derive(Clone)]
-pub(crate) struct DepthTile {
+pub(crate) struct DepthTile<const REVERSED: bool> {
     pub(crate) depth: [f32; PIXELS],
     farthest: [[f32; ROW_BLOCKS]; ROW_BLOCKS],
 }
@@ -79,26 +79,32 @@ fn lanes_at<T>(pixels: &mut [T; PIXELS], offset: usize) -> &mut [T; LANES] {
     lanes.first_chunk_mut().expect("the slice is as long as a vector")
 }
 
-impl Tile for DepthTile {
-    const SMALLER_IS_NEARER: bool = true;
+impl<const REVERSED: bool> DepthTile<REVERSED> {
+    const FAR: f32 = if REVERSED { 0.0 } else { FAR_DEPTH };
+}
+
+impl<const REVERSED: bool> Tile for DepthTile<REVERSED> {
+    const SMALLER_IS_NEARER: bool = !REVERSED;
 
     #[inline(always)]
     fn clear(&mut self) {
-        self.depth = [FAR_DEPTH; PIXELS];
-        self.farthest = [[FAR_DEPTH; ROW_BLOCKS]; ROW_BLOCKS];
+        self.depth = [Self::FAR; PIXELS];
+        self.farthest = [[Self::FAR; ROW_BLOCKS]; ROW_BLOCKS];
     }
 
     #[inline(always)]
     fn write<L: Lanes>(&mut self, offset: usize, outside: L::I, z: L::F, _id: u32) -> L::F {
         let depth = lanes_at(&mut self.depth, offset);
-        let stands = outside.select_negative(L::F::splat(FAR_DEPTH), z).min(L::F::load(depth));
+        let offered = outside.select_negative(L::F::splat(Self::FAR), z);
+        let stood = L::F::load(depth);
+        let stands = if REVERSED { offered.max(stood) } else { offered.min(stood) };
         stands.store(depth);
         stands
     }
 
     #[inline(always)]
     fn accepts(&self, offset: usize, z: f32) -> bool {
-        z < self.depth[offset]
+        if REVERSED { z > self.depth[offset] } else { z < self.depth[offset] }
     }
 
     #[inline(always)]
@@ -155,9 +161,9 @@ impl Tile for VisibilityTile {
     }
 }
 
-impl Default for DepthTile {
+impl<const REVERSED: bool> Default for DepthTile<REVERSED> {
     fn default() -> Self {
-        Self { depth: [FAR_DEPTH; PIXELS], farthest: [[FAR_DEPTH; ROW_BLOCKS]; ROW_BLOCKS] }
+        Self { depth: [Self::FAR; PIXELS], farthest: [[Self::FAR; ROW_BLOCKS]; ROW_BLOCKS] }
     }
 }
 

@@ -67,6 +67,7 @@ impl SurfaceSpan {
         Surface {
             point: hits.point.get(i),
             normal: self.normal.get(i),
+            geometric_normal: hits.normal.get(i),
             toward_viewer: self.toward_viewer.get(i),
             base_color: self.base_color.get(i),
             shininess: self.shininess[i],

@@ -1,6 +1,7 @@
 //! The visibility of one light for a span of pixels.
 
 use shadow_math::{
+    depth::comparable_depth,
     filter::{bilinear_corner, bilinear_mean, kernel::MAX_KERNEL, separable_corner},
     fit::cube_face_of,
     glam::Vec2,
@@ -198,7 +199,7 @@ fn row_of_tests<const TAPS: usize>(
     let layer: &[f32] = &maps.layers[view.layer as usize];
     let [left, top, width, height] = view.rect.map(|side| side as i32);
     let (x0, y) = (lookups.x[i], lookups.y[i] + row as i32);
-    let is_lit = |stored: f32| if lookups.depth[i] <= stored + lookups.bias[i] { 1.0 } else { 0.0 };
+    let is_lit = |stored: f32| if lookups.depth[i] <= comparable_depth(view, stored) + lookups.bias[i] { 1.0 } else { 0.0 };
     let mut tests = [1.0; MAX_KERNEL + 1];
     let is_row_inside = y >= top && y < top + height;
     if is_row_inside && x0 >= left && x0 + (TAPS as i32) < left + width {
@@ -238,7 +239,7 @@ fn fetch<const BILINEAR: bool>(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut
             let lower = upper + size;
             if let (Some([a, b]), Some([c, d])) = (layer[upper..].first_chunk::<2>(), layer[lower..].first_chunk::<2>()) {
                 for (tap, depth) in [a, b, c, d].into_iter().enumerate() {
-                    lookups.stored[tap][i] = *depth;
+                    lookups.stored[tap][i] = comparable_depth(view, *depth);
                 }
             }
         } else {
@@ -246,7 +247,8 @@ fn fetch<const BILINEAR: bool>(view: &ViewPlan, maps: &ShadowMaps, lookups: &mut
             for (tap, (dx, dy)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().take(taps).enumerate() {
                 let (x, y) = (x + dx, y + dy);
                 let is_inside = x >= left && y >= top && x < left + width && y < top + height;
-                lookups.stored[tap][i] = if is_inside { layer[y as usize * size + x as usize] } else { f32::INFINITY };
+                let stored = || comparable_depth(view, layer[y as usize * size + x as usize]);
+                lookups.stored[tap][i] = if is_inside { stored() } else { f32::INFINITY };
             }
         }
     }

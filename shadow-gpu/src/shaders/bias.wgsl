@@ -3,24 +3,6 @@
 const MAX_DEPTH_BIAS: f32 = 1.0;
 const OFFSET_SLOPE: f32 = 24.0;
 const GRADIENT_MARGIN: f32 = 1.00006103515625;
-const MAX_GRADIENT: f32 = 3.40282347e+38;
-
-fn normal_derivative(column: vec4f, point: vec3f, normal: vec3f) -> f32 {
-    let x = column.x - point.x * column.w;
-    let y = column.y - point.y * column.w;
-    let z = column.z - point.z * column.w;
-    return normal.x * x + normal.y * y + normal.z * z;
-}
-
-fn depth_gradient(view: u32, point: vec3f, normal: vec3f) -> vec2f {
-    let along_x = normal_derivative(views[view].world_from_texel_x, point, normal);
-    let along_y = normal_derivative(views[view].world_from_texel_y, point, normal);
-    let along_depth = normal_derivative(views[view].world_from_depth, point, normal);
-    if along_depth == 0.0 {
-        return vec2f(MAX_GRADIENT, MAX_GRADIENT);
-    }
-    return vec2f(-(along_x / along_depth), -(along_y / along_depth));
-}
 
 fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
     let w_before = w - views[view].w_per_metre * metres;
@@ -42,7 +24,11 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
         reach = support(light, gradient, footprint) * lights[light].slope_scale;
     }
     let texels = reach + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
-    return slope * texels + (rounding_depth.x + rounding_depth.y / w);
+    var rounding = rounding_depth.x + rounding_depth.y / w;
+    if depth_kind(view) == DEPTH_LINEAR {
+        rounding = rounding + metres_to_depth(view, w, views[view].rounding_metres);
+    }
+    return slope * texels + rounding;
 }
 
 fn depth_bias(light: u32, view: u32, needed: f32, w: f32) -> f32 {

@@ -74,7 +74,7 @@ fn depth_test(view: u32, x: i32, y: i32, depth: f32, bias: f32) -> f32 {
     if x < rect.x || y < rect.y || x >= rect.x + rect.z || y >= rect.y + rect.w {
         return 1.0;
     }
-    let stored = fetch_texel(views[view].layer, u32(x), u32(y));
+    let stored = comparable_depth(view, fetch_texel(views[view].layer, u32(x), u32(y)));
     if depth <= stored + bias {
         return 1.0;
     }
@@ -88,7 +88,7 @@ fn tap_depth(light: u32, asked: Lookup, x: i32, y: i32) -> f32 {
     let along_x = asked.slope.x * (f32(x) + 0.5 - asked.texel.x);
     let along_y = asked.slope.y * (f32(y) + 0.5 - asked.texel.y);
     let correction = min(max(along_x + along_y, -asked.slope_limit), asked.slope_limit);
-    return min(asked.depth + correction, 1.0);
+    return min(asked.depth + correction, depth_limits(asked.view).y);
 }
 
 fn tap_test(light: u32, asked: Lookup, x: i32, y: i32) -> f32 {

@@ -15,6 +15,8 @@ const BIAS_NORMAL_OFFSET: u32 = 8u;
 const BIAS_RECEIVER_PLANE: u32 = 16u;
 const BIAS_RECEIVER_GRADIENT: u32 = 32u;
 const BIAS_BACK_FACES: u32 = 64u;
+const BIAS_POLYGON_OFFSET: u32 = 128u;
+const BIAS_OGRE_2006: u32 = 256u;
 
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;
@@ -22,6 +24,9 @@ const FILTER_SEPARABLE: u32 = 2u;
 const FILTER_CROSS: u32 = 3u;
 const FILTER_DISC: u32 = 4u;
 const FILTER_FOOTPRINT: u32 = 5u;
+
+const TERMINATOR_HARD: u32 = 0u;
+const TERMINATOR_SOFT: u32 = 1u;
 
 const SNAP_TEXELS: f32 = 0.001953125;
 
@@ -71,6 +76,10 @@ struct LightPlan {
     gradient_fixed: f32,
     gradient_clamp: f32,
     gradient_scale: f32,
+    terminator: u32,
+    texel_shift: f32,
+    padding_0: u32,
+    padding_1: u32,
     filter_table: array<vec4f, 8>,
 }
 
@@ -93,5 +102,17 @@ struct ViewPlan {
     texel_metres: vec2f,
     layer: u32,
     depth_kind: u32,
+    depth_layer: u32,
+    depth_steps: f32,
+    range_over_near: f32,
+    rounding_metres: f32,
+    linear_scale: f32,
+    linear_offset: f32,
+    caster_kind: u32,
+    caster_slope: f32,
+    caster_units: f32,
+    caster_limit: f32,
+    caster_asymptote: f32,
+    caster_push: f32,
     rect: vec4u,
 }

@@ -8,9 +8,10 @@
 @group(1) @binding(3) var maps: texture_2d_array<f32>;
 @group(1) @binding(4) var seen: texture_2d<u32>;
 
-// Each filter and bias has a pipeline of its own: a driver that runs a shader to its end with all lanes off would pay for all of them.
+// Each filter, bias and kind of depth has a pipeline of its own: a driver that runs a shader to its end with all lanes off would pay for all of them.
 override LIGHT_FILTER: u32;
 override LIGHT_BIAS: u32;
+override LIGHT_DEPTH: u32;
 
 fn filter_kind(light: u32) -> u32 {
     return LIGHT_FILTER;
@@ -18,6 +19,10 @@ fn filter_kind(light: u32) -> u32 {
 
 fn bias_kind(light: u32) -> u32 {
     return LIGHT_BIAS;
+}
+
+fn depth_kind(view: u32) -> u32 {
+    return LIGHT_DEPTH;
 }
 
 // Every tap goes through here: what a backend allows of depth textures differs.

@@ -8,6 +8,7 @@ const MIN_HIGHLIGHT: f32 = 8.6736174e-19;
 struct Surface {
     point: vec3f,
     normal: vec3f,
+    geometric_normal: vec3f,
     toward_viewer: vec3f,
     base_color: vec3f,
     shininess: f32,
@@ -31,10 +32,24 @@ fn attenuation(light: u32, toward: vec3f) -> f32 {
     return window / squared * (cone * cone);
 }
 
+fn softened_terminator(cosine: f32, geometric_cosine: f32, between: f32) -> f32 {
+    let facing = max(geometric_cosine, 0.0);
+    let expected = cosine * between;
+    var ratio = 1.0;
+    if expected > facing {
+        ratio = facing / expected;
+    }
+    return ratio + ratio * ratio * (1.0 - ratio);
+}
+
 fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
     let toward = toward_light(light, surface.point);
     let direction = normalized(toward);
-    let cosine = max(dot3(surface.normal, direction), 0.0);
+    var cosine = max(dot3(surface.normal, direction), 0.0);
+    if lights[light].terminator == TERMINATOR_SOFT {
+        let facet = unit_normal(surface.geometric_normal);
+        cosine *= softened_terminator(cosine, dot3(facet, direction), dot3(surface.normal, facet));
+    }
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
     var highlight = approx_pow(max(dot3(surface.normal, half_way), 0.0), surface.shininess);

@@ -2,6 +2,10 @@
 
 @group(2) @binding(0) var<storage, read> views: array<ViewPlan>;
 
+fn depth_kind(view: u32) -> u32 {
+    return views[view].depth_kind;
+}
+
 fn view_clip(view: u32, position: vec3f) -> vec4f {
     return vec4f(
         row_times_point(views[view].clip_x, position),
@@ -50,4 +54,57 @@ fn masked_fragment(vertex: MaskedVertex) {
     if !passes_alpha_test(vertex.triangle, ray) {
         discard;
     }
+}
+
+// Maps that hold something else than the depth that is drawn. Casters that are drawn deeper need their triangle's plane, so that all three corners are pulled.
+
+// Which of the following is asked of a pipeline; a shader that asked the view would pay for all of it.
+override IS_MASKED: bool = false;
+override TAKES_BACK_FACES: bool = false;
+
+struct StoredVertex {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat, first) triangle: u32,
+    @location(1) @interpolate(flat, first) view: u32,
+    @location(2) @interpolate(flat, first) offset: f32,
+}
+
+@vertex
+fn stored_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) view: u32) -> StoredVertex {
+    let triangle = corner / 3u;
+    let corners = fetch_triangle(triangle);
+    let position = vertex_position(corners[corner % 3u]);
+    var offset = 0.0;
+    if views[view].caster_kind != CASTER_PLAIN {
+        offset = caster_offset(view, vertex_position(corners.x), vertex_position(corners.y), vertex_position(corners.z));
+    }
+    return StoredVertex(view_clip(view, position), triangle, view, offset);
+}
+
+fn is_left_out(vertex: StoredVertex, is_front: bool) -> bool {
+    if TAKES_BACK_FACES && is_front {
+        return true;
+    }
+    return IS_MASKED && !passes_alpha_test(vertex.triangle, pixel_ray(views[vertex.view].rays, vertex.clip.x, vertex.clip.y));
+}
+
+@fragment
+fn stored_fragment(vertex: StoredVertex, @builtin(front_facing) is_front: bool) -> @builtin(frag_depth) f32 {
+    if is_left_out(vertex, is_front) {
+        discard;
+    }
+    return encoded_depth(vertex.view, pushed_depth(vertex.view, vertex.clip.z, vertex.offset));
+}
+
+// The nearest surfaces, drawn before.
+@group(3) @binding(0) var first_surface: texture_2d<f32>;
+
+@fragment
+fn second_fragment(vertex: StoredVertex, @builtin(front_facing) is_front: bool) -> @builtin(frag_depth) f32 {
+    let first = textureLoad(first_surface, vec2u(vertex.clip.xy), 0).x;
+    let second = min(max(vertex.clip.z, 0.0), 1.0);
+    if is_left_out(vertex, is_front) || !(second > first) {
+        discard;
+    }
+    return depth_of_two(vertex.view, first, second);
 }

@@ -24,3 +24,8 @@ fn normalized(v: vec3f) -> vec3f {
     }
     return v / sqrt(squared);
 }
+
+fn unit_normal(normal: vec3f) -> vec3f {
+    let largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    return normalized(normal / largest);
+}

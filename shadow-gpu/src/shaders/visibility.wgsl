@@ -72,34 +72,37 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     var slope_limit = 0.0;
     if (bias_kind(light) & BIAS_RECEIVER_PLANE) != 0u {
         slope = depth_gradient(view, receiver.point, receiver.normal);
+        if depth_kind(view) == DEPTH_REVERSED {
+            slope = -slope;
+        }
         slope_limit = plane_limit(light, view, receiver_w);
     }
     let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, receiver_w));
     let w = row_times_point(views[view].clip_w, point);
     let x = row_times_point(views[view].clip_x, point) / w;
     let y = row_times_point(views[view].clip_y, point) / w;
-    let z = row_times_point(views[view].clip_z, point) / w;
+    let z = receiver_depth(view, row_times_point(views[view].clip_z, point) / w, w);
+    let limits = depth_limits(view);
     let texel_scale = views[view].texel_scale;
     let texel_offset = views[view].texel_offset;
-    let texel = vec2f(x * texel_scale.x + texel_offset.x, y * texel_scale.y + texel_offset.y);
+    let texel_shift = lights[light].texel_shift;
+    let texel = vec2f(
+        x * texel_scale.x + texel_offset.x + texel_shift,
+        y * texel_scale.y + texel_offset.y + texel_shift,
+    );
     let rect = vec4f(views[view].rect);
     let inside = texel.x >= rect.x
         && texel.y >= rect.y
         && texel.x < rect.x + rect.z
         && texel.y < rect.y + rect.w;
-    if !inside || z < 0.0 {
+    if !inside || z < limits.x {
         return known_lookup(1.0);
     }
     var turn = vec2f(1.0, 0.0);
     if filter_kind(light) == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    return Lookup(view, 0.0, texel, min(z, 1.0), bias, turn, sides, slope, slope_limit);
-}
-
-fn unit_normal(normal: vec3f) -> vec3f {
-    let largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
-    return normalized(normal / largest);
+    return Lookup(view, 0.0, texel, min(z, limits.y), linear_bias(view, w, bias), turn, sides, slope, slope_limit);
 }
 
 fn visibility(light: u32, receiver: Receiver) -> f32 {

@@ -3,22 +3,24 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
-    BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE,
-    CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE,
-    ViewPlan,
+    BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
+    BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan,
+    MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
     bounds::Aabb,
     camera::Camera,
-    depth::DEPTH_Z_OVER_W,
+    caster::{CASTER_OGRE_2006, CASTER_OGRE_2006_CORRECTED, CASTER_PLAIN, CASTER_POLYGON_OFFSET},
+    depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, LAYER_FIRST, LAYER_MIDPOINT, LAYER_SECOND},
     exposure::Exposure,
     filter::{guard_texels, kernel::set_filter},
     fit::{self, ViewFit},
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     rounding::RoundingBound,
     settings::{
-        Bias, BiasParts, Fit, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, ReceiverGradient, ShadowSettings, Split, Store,
+        Bias, BiasParts, Fit, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient,
+        ShadowSettings, Split, Store, Terminator,
     },
     spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
 };
@@ -102,7 +104,7 @@ pub fn plan_light(
     views: &mut [ViewPlan],
 ) -> Result<LightPlan, PlanError> {
     light.validate()?;
-    let ShadowSettings { fit: Fit::Uniform, store: Store::Depth32, map_size: size, .. } = *settings;
+    let ShadowSettings { fit: Fit::Uniform, map_size: size, .. } = *settings;
     if !(MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(&size) {
         return Err(PlanError::MapSize(size));
     }
@@ -120,8 +122,14 @@ pub fn plan_light(
         split: if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE },
         ..LightPlan::default()
     };
+    plan.texel_shift = settings.texels.shift();
+    plan.terminator = match settings.terminator {
+        Terminator::Hard => TERMINATOR_HARD,
+        Terminator::Soft => TERMINATOR_SOFT,
+    };
     set_filter(&mut plan, settings.filter, settings.filter_radius)?;
     set_bias(&mut plan, settings.bias)?;
+    check_store(settings)?;
     let guard = guard_texels(&plan, settings.bias);
     // A map has to have texels left within its guard bands.
     if size <= 2 * guard {
@@ -149,17 +157,17 @@ pub fn plan_light(
     let limit = f64::from(light.range());
     match light.kind {
         LightKind::Directional { direction } => {
-            views[0] = plan_view(&fit::directional_view(direction, bounds, size, guard), bounds, size, first_view);
+            views[0] = plan_view(&fit::directional_view(direction, bounds, size, guard), bounds, settings, first_view);
         }
         LightKind::Spot { position, direction, outer, .. } if count == 1 => {
             let view = fit::spot_view(position, direction, f64::from(outer), limit, casters, size, guard);
-            views[0] = plan_view(&view, bounds, size, first_view);
+            views[0] = plan_view(&view, bounds, settings, first_view);
         }
         LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
             let range = fit::range_around_point(position.as_dvec3(), casters, limit);
             for (face, view) in views.iter_mut().enumerate() {
                 let fit = fit::cube_face_view(position, face, range, size, guard);
-                *view = plan_view(&fit, bounds, size, first_view + face as u32);
+                *view = plan_view(&fit, bounds, settings, first_view + face as u32);
             }
         }
     }
@@ -189,11 +197,13 @@ fn is_usable_view(plan: &ViewPlan) -> bool {
     let is_deep = near < far && (plan.w_per_metre == 0.0 || near > 0.0);
     let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w];
     let inverse = [plan.world_from_texel_x, plan.world_from_texel_y, plan.world_from_depth];
+    let floats =
+        [plan.depth_factor, plan.range_over_near, plan.linear_scale, plan.linear_offset, plan.caster_push, plan.rounding_metres];
     let pairs = [plan.rounding_texels, plan.rounding_depth, plan.depth_range, plan.texel_metres];
     is_deep
         && plan.depth_factor > 0.0
         && plan.texel_metres.iter().all(|&metres| metres > 0.0)
-        && are_finite(&[matrices.as_flattened(), inverse.as_flattened(), pairs.as_flattened(), &[plan.depth_factor]])
+        && are_finite(&[matrices.as_flattened(), inverse.as_flattened(), pairs.as_flattened(), &floats])
         && has_finite_rays(&plan.rays)
 }
 
@@ -205,7 +215,23 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
         plan.slope_scale = 1.0;
         return Ok(());
     };
-    let BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient, back_faces } = parts;
+    let BiasParts { constant, slope, normal_offset, receiver_plane, receiver_gradient, polygon_offset, ogre_2006, back_faces } =
+        parts;
+    if let Some(PolygonOffset { slope, units, clamp }) = polygon_offset {
+        if let Some(number) = [slope, units, clamp].into_iter().find(|&number| !at_least_zero(number)) {
+            return Err(PlanError::PolygonOffset(number));
+        }
+        plan.bias |= BIAS_POLYGON_OFFSET;
+    }
+    if let Some(Ogre2006 { metres, .. }) = ogre_2006 {
+        if polygon_offset.is_some() {
+            return Err(PlanError::TwoCasterBiases);
+        }
+        if !at_least_zero(metres) {
+            return Err(PlanError::BiasMetres(metres));
+        }
+        plan.bias |= BIAS_OGRE_2006;
+    }
     if back_faces {
         plan.bias |= BIAS_BACK_FACES;
     }
@@ -250,6 +276,24 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
     Ok(())
 }
 
+/// Whether what is stored goes together with the bias.
+fn check_store(settings: &ShadowSettings) -> Result<(), PlanError> {
+    let ShadowSettings { store, bias, .. } = *settings;
+    let Bias::Parts(parts) = bias else { return Ok(()) };
+    let is_of_two = matches!(store, Store::Second | Store::Midpoint);
+    let (is_linear, is_reversed) = (store == Store::Linear, store == Store::Reversed32);
+    let refused = [
+        (parts.polygon_offset.is_some() && (is_linear || is_of_two), "polygon-offset"),
+        (parts.ogre_2006.is_some() && (is_linear || is_of_two || is_reversed), "ogre-2006"),
+        (parts.receiver_plane.is_some() && is_linear, "receiver-plane"),
+        (parts.receiver_gradient.is_some() && is_reversed, "receiver-gradient"),
+    ];
+    match refused.into_iter().find(|(is_refused, _)| *is_refused) {
+        Some((_, bias)) => Err(PlanError::BiasOfOtherStores { bias, store }),
+        None => Ok(()),
+    }
+}
+
 /// The scale and offset of KHR_lights_punctual's angular falloff, "Inner and Outer Cone Angles".
 fn cone_falloff(inner: f32, outer: f32) -> (f32, f32) {
     #[cfg(not(feature = "std"))]
@@ -263,12 +307,27 @@ fn cone_falloff(inner: f32, outer: f32) -> (f32, f32) {
 }
 
 /// Rounds a light's camera to the plan's precision.
-fn plan_view(view: &ViewFit, bounds: Aabb, size: u32, layer: u32) -> ViewPlan {
+fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32) -> ViewPlan {
+    let (size, store) = (settings.map_size, settings.store);
+    let depth_kind = match store {
+        Store::Reversed32 => DEPTH_REVERSED,
+        // An orthographic view's w is 1 everywhere, and its z / w is the distance.
+        Store::Linear if view.depth_scale.w_per_metre > 0.0 => DEPTH_LINEAR,
+        _ => DEPTH_Z_OVER_W,
+    };
+    let view = &match depth_kind {
+        DEPTH_Z_OVER_W => *view,
+        _ => view.reversed(),
+    };
     let clip_from_world = view.clip_from_world();
     let extent = DVec2::splat(f64::from(size));
     let (texel_scale, texel_offset) = texel_from_ndc(DVec2::ZERO, extent);
     let world_from_texel = (texel_from_clip(DVec2::ZERO, extent) * clip_from_world).inverse();
-    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size);
+    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size).of_store(store, view, depth_kind != DEPTH_Z_OVER_W);
+    let (near, far) = (view.range.near, view.range.far);
+    let is_linear = depth_kind == DEPTH_LINEAR;
+    let range = far - near;
+    let of_linear = |number: f64| if is_linear { number as f32 } else { 0.0 };
     let [clip_x, clip_y, clip_z, clip_w] = rows(clip_from_world);
 
     let world_from_view = view.view_from_world.inverse();
@@ -298,8 +357,43 @@ fn plan_view(view: &ViewFit, bounds: Aabb, size: u32, layer: u32) -> ViewPlan {
         depth_range: [view.range.near as f32, view.range.far as f32],
         texel_metres: view.texel_metres.map(|metres| metres as f32),
         layer,
-        depth_kind: DEPTH_Z_OVER_W,
+        depth_kind,
+        depth_layer: match store {
+            Store::Second => LAYER_SECOND,
+            Store::Midpoint => LAYER_MIDPOINT,
+            _ => LAYER_FIRST,
+        },
+        depth_steps: store.steps(),
+        range_over_near: of_linear(range / near),
+        rounding_metres: of_linear(rounding.metres),
+        linear_scale: of_linear(1.0 / range),
+        linear_offset: of_linear(-near / range),
         rect: [0, 0, size, size],
+        ..caster_of(settings.bias, view)
+    }
+}
+
+/// A plan with nothing but how casters are drawn deeper.
+fn caster_of(bias: Bias, view: &ViewFit) -> ViewPlan {
+    let plain = ViewPlan { caster_kind: CASTER_PLAIN, ..ViewPlan::default() };
+    let Bias::Parts(parts) = bias else { return plain };
+    if let Some(PolygonOffset { slope, units, clamp }) = parts.polygon_offset {
+        let caster_limit = if clamp > 0.0 { clamp.min(1.0) } else { 1.0 };
+        return ViewPlan { caster_kind: CASTER_POLYGON_OFFSET, caster_slope: slope, caster_units: units, caster_limit, ..plain };
+    }
+    let Some(Ogre2006 { metres, is_corrected }) = parts.ogre_2006 else { return plain };
+    let (factor, metres) = (view.depth_scale.factor, f64::from(metres));
+    let is_perspective = view.depth_scale.w_per_metre > 0.0;
+    let (near, far) = (view.range.near, view.range.far);
+    ViewPlan {
+        caster_kind: if is_corrected { CASTER_OGRE_2006_CORRECTED } else { CASTER_OGRE_2006 },
+        // The shader steps by half a texel in a depth twice as large as ours, and halves the larger slope twice.
+        caster_slope: if is_corrected { 1.0 } else { 0.25 },
+        caster_units: if is_perspective { 0.0 } else { (metres * factor) as f32 },
+        caster_limit: 1.0,
+        caster_asymptote: if is_perspective { (far / (far - near)) as f32 } else { 0.0 },
+        caster_push: if is_perspective { (metres / factor) as f32 } else { 0.0 },
+        ..plain
     }
 }
 

@@ -3,6 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
+use crate::{
+    caster::CASTER_PLAIN,
+    depth::{DEPTH_LINEAR, DEPTH_Z_OVER_W, LAYER_FIRST},
+};
+
 /// The most views of one light: the faces of a cube.
 pub const MAX_VIEWS_PER_LIGHT: usize = 6;
 
@@ -35,6 +40,11 @@ pub const BIAS_RECEIVER_GRADIENT: u32 = 32;
 /// A bit of [`LightPlan::bias`]: of single-sided casters the map has the back faces alone.
 pub const BIAS_BACK_FACES: u32 = 64;
 
+/// A bit of [`LightPlan::bias`]: casters are drawn deeper by a polygon offset.
+pub const BIAS_POLYGON_OFFSET: u32 = 128;
+/// A bit of [`LightPlan::bias`]: casters are drawn deeper as the article's shader does.
+pub const BIAS_OGRE_2006: u32 = 256;
+
 /// [`LightPlan::filter`]: one test.
 pub const FILTER_HARD: u32 = 0;
 /// [`LightPlan::filter`]: four tests, weighted bilinearly.
@@ -47,6 +57,11 @@ pub const FILTER_CROSS: u32 = 3;
 pub const FILTER_DISC: u32 = 4;
 /// [`LightPlan::filter`]: tests all over the pixel's image in the map.
 pub const FILTER_FOOTPRINT: u32 = 5;
+
+/// [`LightPlan::terminator`]: light ends where the facet turns away.
+pub const TERMINATOR_HARD: u32 = 0;
+/// [`LightPlan::terminator`]: light fades out towards there.
+pub const TERMINATOR_SOFT: u32 = 1;
 
 /// Half a step of the sub-pixel grid that vertices are snapped to, in texels, where depth comes from the snapped vertices:
 /// 8 bits, the number that Direct3D requires and lavapipe has.
@@ -148,6 +163,14 @@ pub struct LightPlan {
     pub gradient_clamp: f32,
     /// A factor on these differences.
     pub gradient_scale: f32,
+    /// [`TERMINATOR_HARD`] or [`TERMINATOR_SOFT`].
+    pub terminator: u32,
+    /// By how many texels lookups are moved on both axes: what mixed conventions do.
+    pub texel_shift: f32,
+    /// Padding to a multiple of 16 bytes.
+    pub padding_0: u32,
+    /// Padding.
+    pub padding_1: u32,
     /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
     pub filter_table: [[f32; 4]; 8],
 }
@@ -190,13 +213,49 @@ pub struct ViewPlan {
     pub texel_metres: [f32; 2],
     /// The layer of the map array.
     pub layer: u32,
-    /// [`DEPTH_Z_OVER_W`](crate::depth::DEPTH_Z_OVER_W).
+    /// [`DEPTH_Z_OVER_W`](crate::depth::DEPTH_Z_OVER_W), [`DEPTH_REVERSED`](crate::depth::DEPTH_REVERSED) or [`DEPTH_LINEAR`](crate::depth::DEPTH_LINEAR). The latter two have a reversed depth row.
     pub depth_kind: u32,
+    /// [`LAYER_FIRST`](crate::depth::LAYER_FIRST), [`LAYER_SECOND`](crate::depth::LAYER_SECOND) or [`LAYER_MIDPOINT`](crate::depth::LAYER_MIDPOINT).
+    pub depth_layer: u32,
+    /// How many steps stored depth has from 0 to 1; 0 for floats.
+    pub depth_steps: f32,
+    /// The depth range over the distance of the near plane: what turns reversed depth into a distance.
+    pub range_over_near: f32,
+    /// The bound on rounding of linear depth, in metres; 0 for others, whose bound is one in depth.
+    pub rounding_metres: f32,
+    /// Linear depth is `w * linear_scale + linear_offset`.
+    pub linear_scale: f32,
+    /// See `linear_scale`.
+    pub linear_offset: f32,
+    /// [`CASTER_PLAIN`](crate::caster::CASTER_PLAIN) or another of its kind.
+    pub caster_kind: u32,
+    /// A factor on the slopes by which casters are drawn deeper.
+    pub caster_slope: f32,
+    /// How many units deeper casters are drawn.
+    pub caster_units: f32,
+    /// The most by which slopes and units draw them deeper.
+    pub caster_limit: f32,
+    /// The depth that a perspective view's depth tends to far away; 0 for an orthographic view.
+    pub caster_asymptote: f32,
+    /// What its difference to a depth, squared, is multiplied by to draw casters deeper.
+    pub caster_push: f32,
     /// The rectangle within the layer: x, y, width, height in texels.
     pub rect: [u32; 4],
 }
 
 impl ViewPlan {
+    /// Whether the map holds the smallest depth that is drawn, as it is drawn: nothing has to be done to it.
+    #[must_use]
+    pub fn holds_drawn_depth(&self) -> bool {
+        self.depth_kind == DEPTH_Z_OVER_W && self.has_plain_casters() && self.depth_layer == LAYER_FIRST
+    }
+
+    /// Whether what is drawn is what the map holds, be it the smallest depth or the largest.
+    #[must_use]
+    pub fn has_plain_casters(&self) -> bool {
+        self.depth_kind != DEPTH_LINEAR && self.depth_steps == 0.0 && self.caster_kind == CASTER_PLAIN
+    }
+
     /// The matrix from world to clip space, z from 0 to 1, for a renderer that wants it whole. Exactly the rows of the plan.
     #[must_use]
     pub fn clip_from_world(&self) -> Mat4 {

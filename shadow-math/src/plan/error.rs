@@ -3,7 +3,7 @@
 use crate::{
     camera::CameraError,
     light::LightError,
-    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
+    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Store},
 };
 
 /// Why a plan cannot be made.
@@ -32,6 +32,17 @@ pub enum PlanError {
     ReceiverGradient(f32),
     /// The slope bias is for taps that are compared with the receiver's own depth, and a receiver plane corrects them.
     SlopeWithReceiverPlane,
+    /// A number of a polygon offset is negative or not finite.
+    PolygonOffset(f32),
+    /// A polygon offset and the article's caster shader both draw casters deeper.
+    TwoCasterBiases,
+    /// The bias has no meaning with what the map stores.
+    BiasOfOtherStores {
+        /// The part of the bias.
+        bias: &'static str,
+        /// What is stored.
+        store: Store,
+    },
     /// The filter's radius in texels is out of its range.
     FilterRadius {
         /// The filter, which says its [radii](Filter::radii).
@@ -107,6 +118,21 @@ impl core::fmt::Display for PlanError {
             Self::SlopeWithReceiverPlane => f.write_str(
                 "the slope bias and the receiver plane are two remedies for the same slope; leave one of them out",
             ),
+            Self::PolygonOffset(number) => {
+                write!(f, "a polygon offset with {number} makes no sense; its slope, units and clamp must be finite and at least 0")
+            }
+            Self::TwoCasterBiases => {
+                f.write_str("polygon-offset and ogre-2006 both draw casters deeper; leave one of them out")
+            }
+            Self::BiasOfOtherStores { bias, store } => {
+                let (why, stores) = match *bias {
+                    "polygon-offset" => ("is an offset of a depth format's steps", "depth32, depth24, depth16 or reversed32"),
+                    "ogre-2006" => ("adds to depth that grows away from the light", "depth32, depth24 or depth16"),
+                    "receiver-gradient" => ("takes a share of depth that grows away from the light", "any store but reversed32"),
+                    _ => ("needs depth that is flat over a plane's image", "any store but linear"),
+                };
+                write!(f, "the bias {bias} {why}, which the store {} does not have; take {stores}, or another bias", store.name())
+            }
             Self::FilterRadius { filter, radius } => {
                 let name = filter.name();
                 match filter.radii() {

@@ -118,10 +118,12 @@ impl World {
     }
 
     /// A light, a surface and a visibility.
-    pub(super) fn light_and_surface(&self, random: &mut Random) -> [f32; 15] {
+    pub(super) fn light_and_surface(&self, random: &mut Random) -> [f32; 18] {
         let [light, x, y, z] = self.light_and_point(random);
         let toward = toward_light(self.light(light), Vec3::new(x, y, z)).normalize_or(Vec3::X);
         let normal = random.vector(1.0).normalize_or(Vec3::Y);
+        // Facets lie near the smooth surface; some of them lie flat on it.
+        let facet = if random.below(4) == 0 { normal } else { (normal + random.vector(0.5)).normalize_or(normal) };
         // Half of the viewers look from where the highlight is.
         let mirrored = 2.0 * normal.dot(toward) * normal - toward;
         let viewer = if random.below(2) == 0 { random.vector(1.0) } else { mirrored + random.vector(0.1) }.normalize_or(Vec3::Z);
@@ -130,8 +132,8 @@ impl World {
         let visibility = [0.0, 1.0, random.unit(), 0.75][random.below(4) as usize];
         let base = [random.unit(), random.unit(), random.unit()];
         [
-            light, x, y, z, normal.x, normal.y, normal.z, viewer.x, viewer.y, viewer.z, base[0], base[1], base[2], shininess,
-            visibility,
+            light, x, y, z, normal.x, normal.y, normal.z, facet.x, facet.y, facet.z, viewer.x, viewer.y, viewer.z, base[0],
+            base[1], base[2], shininess, visibility,
         ]
     }
 
@@ -152,11 +154,11 @@ impl World {
         if !inside(x) || !inside(y) {
             return random.unit();
         }
-        let lit = self.map().fetch_texel(self.view(view).layer, x as u32, y as u32) + bias;
+        let lit = comparable_depth(self.view(view), self.map().fetch_texel(self.view(view).layer, x as u32, y as u32)) + bias;
         match random.below(4) {
             0 => lit,
             1 => lit.next_up(),
-            _ => random.unit(),
+            _ => comparable_depth(self.view(view), random.unit()),
         }
     }
 
@@ -169,9 +171,9 @@ impl World {
         for_each_weighted_tap(light, lookup, |tap| {
             tie |= inside(tap.x)
                 && inside(tap.y)
-                && (tap_depth(light, lookup, tap.x, tap.y)
+                && (tap_depth(light, view, lookup, tap.x, tap.y)
                     - lookup.bias
-                    - self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32))
+                    - comparable_depth(view, self.map().fetch_texel(view.layer, tap.x as u32, tap.y as u32)))
                 .abs()
                     < TIE + lost;
         });
@@ -196,20 +198,30 @@ impl World {
         let [x, y, z] = [view.clip_x, view.clip_y, view.clip_z].map(quotient);
         let scales =
             [x.1 * view.texel_scale[0].abs() + view.texel_offset[0], y.1 * view.texel_scale[1].abs() + view.texel_offset[1]];
-        let texel = [x.0 * view.texel_scale[0] + view.texel_offset[0], y.0 * view.texel_scale[1] + view.texel_offset[1]];
+        let texel = [x.0 * view.texel_scale[0] + view.texel_offset[0], y.0 * view.texel_scale[1] + view.texel_offset[1]]
+            .map(|texel| texel + light.texel_shift);
+        // Linear depth comes of w itself.
+        let z = if view.depth_kind == DEPTH_LINEAR {
+            let terms = magnitude_of_row(view.clip_w, receiver.point) * view.linear_scale + view.linear_offset.abs();
+            (receiver_depth(view, z.0, w), terms)
+        } else {
+            (receiver_depth(view, z.0, w), z.1)
+        };
         for axis in 0..2 {
             let first = view.rect[axis] as f32;
             let last = first + view.rect[axis + 2] as f32;
             near |= is_tie(texel[axis] - first, scales[axis]) || is_tie(texel[axis] - last, scales[axis]);
         }
-        near |= is_tie(z.0, z.1);
+        near |= is_tie(z.0 - depth_limits(view)[0], z.1);
         if near {
             return [f32::INFINITY; 4];
         }
         let bias = if found.view == NO_VIEW {
             0.0
         } else {
-            magnitude_of_bias(light, view, receiver.point, receiver.normal, w, found.footprint)
+            let bias = magnitude_of_bias(light, view, receiver.point, receiver.normal, w, found.footprint);
+            // The slope of linear depth over z / w, where it is steepest: without a bias.
+            if view.depth_kind == DEPTH_LINEAR { bias * (w * w / view.depth_factor * view.linear_scale) } else { bias }
         };
         [scales[0], scales[1], z.1, bias]
     }
@@ -281,15 +293,39 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
     ];
     let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
     let (mut lights, mut views) = (Vec::new(), Vec::new());
-    let mut add = |(kind, split): (LightKind, Split), bias: Bias, filter: Filter| {
+    let mut add_stored = |(kind, split): (LightKind, Split), bias: Bias, filter: Filter, store: Store| {
         let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
-        let settings = ShadowSettings { split, bias, filter, map_size: MAP_SIZE, ..ShadowSettings::default() };
+        let terminator = [Terminator::Hard, Terminator::Soft][lights.len() % 2];
+        let texels = [Texels::OpenGl, Texels::OpenGl, Texels::Direct3d][lights.len() % 3];
+        let settings =
+            ShadowSettings { split, bias, filter, store, texels, terminator, map_size: MAP_SIZE, ..ShadowSettings::default() };
         let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
         let plan =
             plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent).expect("the light can be planned");
         views.extend_from_slice(&lent[..plan.view_count as usize]);
         lights.push(plan);
     };
+    // Every store, and casters that are drawn deeper.
+    for store in Store::ALL.into_iter().filter(|store| *store != Store::Depth32) {
+        for bias in [Bias::Automatic, Bias::slope(1.0, 0.01)] {
+            for kind in [kinds[1], kinds[2], kinds[5]] {
+                add_stored(kind, bias, Filter::Bilinear, store);
+            }
+        }
+    }
+    let polygon_offset = Some(PolygonOffset { slope: 1.5, units: 40.0, clamp: 0.05 });
+    for store in [Store::Depth32, Store::Depth16, Store::Reversed32] {
+        for kind in [kinds[1], kinds[2], kinds[5]] {
+            add_stored(kind, Bias::Parts(BiasParts { polygon_offset, ..BiasParts::NONE }), Filter::Hard, store);
+        }
+    }
+    for is_corrected in [false, true] {
+        let ogre_2006 = Some(Ogre2006 { metres: 0.1, is_corrected });
+        for kind in [kinds[1], kinds[2], kinds[5]] {
+            add_stored(kind, Bias::Parts(BiasParts { ogre_2006, ..BiasParts::NONE }), Filter::Hard, Store::Depth32);
+        }
+    }
+    let mut add = |kind: (LightKind, Split), bias: Bias, filter: Filter| add_stored(kind, bias, filter, Store::Depth32);
     for bias in [Bias::Automatic, Bias::slope(1.0, 0.01), Bias::constant(0.02), Bias::NONE] {
         for filter in [Filter::Hard, Filter::Bilinear] {
             for kind in kinds {
@@ -391,7 +427,14 @@ pub(super) fn receiver<'a>(world: &'a World, group: &[f32]) -> (&'a LightPlan, R
 
 /// The surface that 13 inputs describe.
 pub(super) fn surface(i: &[f32]) -> Surface {
-    Surface { point: v3(i, 0), normal: v3(i, 3), toward_viewer: v3(i, 6), base_color: v3(i, 9), shininess: i[12] }
+    Surface {
+        point: v3(i, 0),
+        normal: v3(i, 3),
+        geometric_normal: v3(i, 6),
+        toward_viewer: v3(i, 9),
+        base_color: v3(i, 12),
+        shininess: i[15],
+    }
 }
 
 /// Numbers that are as large as their terms.

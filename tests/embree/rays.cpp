@@ -1,9 +1,9 @@
-// The rays of a file through Embree 3: how many millions a second, one at a time and in packets of eight.
+// The rays of a picture through Embree 3: how many millions a second, one at a time and in packets of eight.
 //
-//   c++ -O2 rays.cpp -lembree3 -lpthread -o rays && ./rays rays.bin THREADS ROUNDS
+//   c++ -O2 rays.cpp -lembree3 -lpthread -o rays && shadow bench SCENE --backends trace --rival ./rays
 //
-// The file holds, little-endian: four u32 (vertices, triangles, camera rays, shadow rays), three f32 a vertex, three u32 a triangle, six f32 a
-// ray (origin and direction). Written are four lines: what was sent, millions a second in the best round, and how many rays met something.
+// Standard input holds, little-endian: four u32 (vertices, triangles, camera rays, shadow rays), three f32 a vertex, three u32 a triangle, seven f32 a
+// ray (origin, direction, and where it ends). Written are four lines: what was sent, millions a second in the best round, and how many rays met something.
 #include <embree3/rtcore.h>
 
 #include <atomic>
@@ -20,11 +20,13 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // As many rays as a row of a picture has: what a thread takes at a time.
 constexpr unsigned kChunk = 1280;
+// How many numbers a ray has.
+constexpr size_t kRay = 7;
 
 template <class T> std::vector<T> read(FILE *file, size_t count) {
   std::vector<T> values(count);
   if (fread(values.data(), sizeof(T), count, file) != count) {
-    fprintf(stderr, "the file of rays is too short\n");
+    fprintf(stderr, "standard input ends before all rays are there\n");
     exit(2);
   }
   return values;
@@ -46,17 +48,15 @@ std::pair<unsigned, double> run(unsigned threads, unsigned count, const std::fun
 }  // namespace
 
 int main(int argc, char **argv) {
-  FILE *file = argc == 4 ? fopen(argv[1], "rb") : nullptr;
-  if (!file) {
-    fprintf(stderr, "usage: rays FILE THREADS ROUNDS\n");
+  const unsigned threads = argc == 3 ? atoi(argv[1]) : 0, rounds = argc == 3 ? atoi(argv[2]) : 0;
+  if (threads == 0 || rounds == 0) {
+    fprintf(stderr, "usage: rays THREADS ROUNDS < RAYS\n");
     return 2;
   }
-  const unsigned threads = atoi(argv[2]), rounds = atoi(argv[3]);
-  const auto counts = read<unsigned>(file, 4);
-  const auto vertices = read<float>(file, 3 * size_t(counts[0]));
-  const auto triangles = read<unsigned>(file, 3 * size_t(counts[1]));
-  const auto rays = read<float>(file, 6 * (size_t(counts[2]) + counts[3]));
-  fclose(file);
+  const auto counts = read<unsigned>(stdin, 4);
+  const auto vertices = read<float>(stdin, 3 * size_t(counts[0]));
+  const auto triangles = read<unsigned>(stdin, 3 * size_t(counts[1]));
+  const auto rays = read<float>(stdin, kRay * (size_t(counts[2]) + counts[3]));
 
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = rtcNewScene(device);
@@ -72,14 +72,14 @@ int main(int argc, char **argv) {
 
   for (const bool shadow : {false, true}) {
     const unsigned count = shadow ? counts[3] : counts[2];
-    const float *first_ray = rays.data() + (shadow ? 6 * size_t(counts[2]) : 0);
+    const float *first_ray = rays.data() + (shadow ? kRay * counts[2] : 0);
     auto single = [&](unsigned first, unsigned end) {
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
       unsigned met = 0;
       for (unsigned i = first; i < end; ++i) {
-        const float *r = first_ray + 6 * size_t(i);
-        RTCRayHit hit{{r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, kInfinity, ~0u, 0, 0}, {}};
+        const float *r = first_ray + kRay * size_t(i);
+        RTCRayHit hit{{r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], ~0u, 0, 0}, {}};
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         if (shadow) {
           rtcOccluded1(scene, &context, &hit.ray);
@@ -101,10 +101,10 @@ int main(int argc, char **argv) {
         RTCRayHit8 hit{};
         for (unsigned k = 0; k < 8; ++k) {
           valid[k] = i + k < end ? -1 : 0;
-          const float *r = first_ray + 6 * size_t(valid[k] ? i + k : i);
+          const float *r = first_ray + kRay * size_t(valid[k] ? i + k : i);
           hit.ray.org_x[k] = r[0], hit.ray.org_y[k] = r[1], hit.ray.org_z[k] = r[2];
           hit.ray.dir_x[k] = r[3], hit.ray.dir_y[k] = r[4], hit.ray.dir_z[k] = r[5];
-          hit.ray.tfar[k] = kInfinity, hit.ray.mask[k] = ~0u;
+          hit.ray.tfar[k] = r[6], hit.ray.mask[k] = ~0u;
           hit.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
         }
         if (shadow) rtcOccluded8(valid, scene, &context, &hit.ray);
