@@ -1,4 +1,4 @@
-//! The automatic bias leaves no acne, on any scene.
+//! The automatic bias leaves no acne, on any scene, whatever a map holds.
 
 use std::{fmt::Write, path::Path, time::Instant};
 
@@ -6,7 +6,7 @@ use shadow_cpu::{
     measure::{Cause, Judge},
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_math::{Bias, Filter, ShadowSettings};
+use shadow_math::{Bias, Filter, ShadowSettings, Store};
 use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, import};
 use shadow_tests::{
     lights::one_of_each,
@@ -47,9 +47,11 @@ impl Tally {
         let others: Vec<_> = Filter::ALL.into_iter().filter(|filter| !FILTERS.contains(filter)).collect();
         let turn = others[self.lit_scenes % others.len()];
         self.lit_scenes += 1;
-        for filter in FILTERS.into_iter().chain([turn]) {
+        // Every store in turn, with the filter whose turn it is.
+        let store = Store::ALL[self.lit_scenes % Store::ALL.len()];
+        for (filter, store) in FILTERS.map(|filter| (filter, Store::default())).into_iter().chain([(turn, store)]) {
             for map_size in MAP_SIZES {
-                let settings = ShadowSettings { bias: Bias::Automatic, filter, map_size, ..ShadowSettings::default() };
+                let settings = ShadowSettings { bias: Bias::Automatic, filter, store, map_size, ..ShadowSettings::default() };
                 let plan = match FramePlan::new(scene, &camera, &settings, width, height, None) {
                     Ok(plan) => plan,
                     Err(error) => {
@@ -81,7 +83,10 @@ impl Tally {
                     let acne = counts.count(Cause::Acne);
                     if acne > 0 {
                         let source = &frame.source;
-                        let _ = writeln!(self.failures, "{case}: {acne} pixels on {source}, {filter:?}, maps of {map_size}");
+                        let _ = writeln!(
+                            self.failures,
+                            "{case}: {acne} pixels on {source}, {filter:?}, {store:?}, maps of {map_size}"
+                        );
                     }
                 }
             }

@@ -1,24 +1,25 @@
 //! The tests across crates: one program, one file a topic.
 
-mod tidy;
+mod acne;
+mod agreement;
+mod analytic;
+mod comparator;
+mod import;
 mod invariants;
+mod judge;
 mod layout;
+mod limits;
+mod malformed;
 mod matrix;
 mod mirrors;
-mod comparator;
-mod analytic;
-mod truth;
-mod judge;
-mod acne;
-mod tune;
 mod planar_bias;
-mod limits;
-mod import;
 mod poses;
-mod malformed;
-mod agreement;
-mod sweep;
 mod program;
 mod program_files;
 mod program_rival;
 mod program_scenes;
+mod stores;
+mod sweep;
+mod tidy;
+mod truth;
+mod tune;

@@ -14,7 +14,9 @@ use shadow_math::{
     bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
     bounds::Aabb,
     caster::{CASTER_POLYGON_OFFSET, caster_offset, pushed_depth},
-    depth::{DEPTH_LINEAR, comparable_depth, depth_limits, depth_of_two, encoded_depth, linear_bias, receiver_depth},
+    depth::{
+        DEPTH_LINEAR, DEPTH_REVERSED, comparable_depth, depth_limits, depth_of_two, encoded_depth, linear_bias, receiver_depth,
+    },
     filter::{
         depth_test, disc_place, filtered_test, footprint_counts, footprint_place, stored_gradient, support, tap_depth,
         taps::{for_each_test_place, for_each_weighted_tap},
@@ -1048,7 +1050,7 @@ macro_rules! files {
     };
 }
 
-files!(vector, light, triangle, bias, filter, visibility, approx, srgb, material, shade);
+files!(vector, light, triangle, depth, gradient, caster, bias, filter, visibility, approx, srgb, material, shade);
 
 fn check_file(file: &str) {
     let mut problems = Vec::new();
@@ -1128,12 +1130,14 @@ fn receivers_take_every_way() {
         let outside_wanted = plan.split == SPLIT_SINGLE;
         // Of a hundred tests of a noisy map some pass and some do not.
         let is_narrow = plan.filter <= FILTER_BILINEAR;
+        // Of z / w that begins near a light a step of 16 bits is most of the way, and the bias reckons with it.
+        let is_coarse = world.globals.views[plan.first_view as usize].depth_steps == Store::Depth16.steps();
         for (what, count, wanted) in [
             ("turned away", turned_away, true),
             ("outside", outside, outside_wanted),
             ("compared", compared, true),
             ("lit", lit, is_narrow),
-            ("shadowed", shadowed, is_narrow),
+            ("shadowed", shadowed, is_narrow && !is_coarse),
         ] {
             assert!(!wanted || count >= 5, "light {index}: only {count} receivers are {what}");
         }

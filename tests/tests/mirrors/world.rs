@@ -24,11 +24,16 @@ impl World {
         WORLD.get_or_init(|| {
             let mut random = Random::new("the world");
             let (lights, views) = plans();
-            let depths = depths(views.len() as u32, &mut random);
+            let mut depths = depths(views.len() as u32, &mut random);
+            for (view, layer) in views.iter().zip(depths.chunks_exact_mut((MAP_SIZE * MAP_SIZE) as usize)) {
+                if view.depth_kind == DEPTH_REVERSED {
+                    layer.iter_mut().for_each(|depth| *depth = 1.0 - *depth);
+                }
+            }
             let (materials, words) = materials(&mut random);
             let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
             let mut world = Self { globals, receivers: Vec::new() };
-            world.receivers = (0..8 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
+            world.receivers = (0..24 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
             world.plant_ties();
             world
         })
@@ -93,10 +98,12 @@ impl World {
             let found = lookup(light, &self.globals.views, &receiver);
             if found.view != NO_VIEW {
                 let texel = found.texel.floor();
-                let stored = found.depth - found.bias;
+                let view = &self.globals.views[found.view as usize];
+                let stored = comparable_depth(view, found.depth - found.bias);
+                let nearer = if view.depth_kind == DEPTH_REVERSED { stored.next_up() } else { stored.next_down() };
                 let texel =
                     (self.globals.views[found.view as usize].layer * MAP_SIZE + texel.y as u32) * MAP_SIZE + texel.x as u32;
-                self.globals.depths[texel as usize] = if index % 8 == 0 { stored } else { stored.next_down() };
+                self.globals.depths[texel as usize] = if index % 8 == 0 { stored } else { nearer };
             }
         }
     }
