@@ -8,7 +8,7 @@ use shadow_math::{
     plan::{BIAS_BACK_FACES, CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
 };
 
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneLight};
 
 /// What both renderers follow: neither derives a matrix of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +55,23 @@ pub enum FramePlanError {
 pub const MAX_EV: f32 = 64.0;
 
 impl FramePlan {
-    /// Plans a picture of `width` by `height` pixels.
+    /// Plans a picture of `width` by `height` pixels whose lights are all shadowed alike.
+    ///
+    /// # Errors
+    ///
+    /// As [`FramePlan::with_settings_of`].
+    pub fn new(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &ShadowSettings,
+        width: u32,
+        height: u32,
+        ev: Option<f32>,
+    ) -> Result<Self, FramePlanError> {
+        Self::with_settings_of(scene, camera, settings.map_size, |_, _| *settings, (width, height), ev)
+    }
+
+    /// Plans a picture of `size` pixels. `settings` says how a light is shadowed, by its index; all of them have maps of `map_size` texels, since these lie in one array.
     ///
     /// `ev` is an exposure value (EV at ISO 100); `None` chooses the exposure by a fixed rule from the lights
     /// ([`Exposure::automatic`]).
@@ -63,12 +79,12 @@ impl FramePlan {
     /// # Errors
     ///
     /// [`FramePlanError`]: a camera, light or setting that cannot be used, named.
-    pub fn new(
+    pub fn with_settings_of(
         scene: &Scene,
         camera: &Camera,
-        settings: &ShadowSettings,
-        width: u32,
-        height: u32,
+        map_size: u32,
+        settings: impl Fn(usize, &SceneLight) -> ShadowSettings,
+        (width, height): (u32, u32),
         ev: Option<f32>,
     ) -> Result<Self, FramePlanError> {
         let mut exposure = Exposure::automatic(scene.lights().iter().map(|light| &light.light), scene.bounds());
@@ -85,6 +101,7 @@ impl FramePlan {
         for (index, light) in scene.lights().iter().enumerate() {
             let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
             let first = views.len();
+            let settings = &ShadowSettings { map_size, ..settings(index, light) };
             let count = view_count(&light.light, settings).map_err(failed)?;
             views.resize(first + count, ViewPlan::default());
             let plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
@@ -92,7 +109,7 @@ impl FramePlan {
             lights.push(plan);
         }
         let notes = near_rule_note(scene, &lights, &views).into_iter().collect();
-        Ok(Self { camera, lights, views, map_size: settings.map_size, ev: exposure.ev(), notes })
+        Ok(Self { camera, lights, views, map_size, ev: exposure.ev(), notes })
     }
 
     /// The views of a light.

@@ -20,6 +20,7 @@ mod program_rival;
 mod program_scenes;
 mod stores;
 mod sweep;
+mod terminator;
 mod tidy;
 mod truth;
 mod tune;
