@@ -175,7 +175,7 @@ fn with_chosen_lights(scene: Scene, args: &PictureArgs) -> Result<Scene, CliErro
             .validate()
             .and_then(|()| shape.validate(&light.kind))
             .map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
-        lights.push(SceneLight { name: spec.name().into(), light, shape });
+        lights.push(SceneLight { shape, ..SceneLight::new(spec.name(), light) });
     }
     Ok(scene.with_lights(lights))
 }

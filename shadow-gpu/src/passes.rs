@@ -29,8 +29,10 @@ impl Slices {
 /// The views of a light, in as many places as a light can have views.
 pub(crate) fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; CUBE_FACES.len()] {
     let mut views = [bytemuck::Zeroable::zeroed(); CUBE_FACES.len()];
-    let own = &plan.views[light.first_view as usize..][..light.view_count as usize];
-    views[..own.len()].copy_from_slice(own);
+    let own = plan.views.iter().skip(light.first_view as usize).take(light.view_count as usize);
+    for (view, own) in views.iter_mut().zip(own) {
+        *view = *own;
+    }
     views
 }
 

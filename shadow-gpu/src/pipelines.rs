@@ -10,10 +10,14 @@ use shadow_math::{
     plan::{BIAS_AUTOMATIC, FILTER_BILINEAR},
 };
 
+mod color;
 mod map;
 
-pub(crate) use self::map::{Drawn, MapPipelines, MapStyle};
-use crate::shaders::{self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, ShaderFile, VISIBILITY_MODULE};
+pub(crate) use self::{
+    color::{Blend, ColorPipelines},
+    map::{Drawn, MapPipelines, MapStyle},
+};
+use crate::shaders::{self, CAMERA_MODULE, READBACK_ID_MODULE, READBACK_MODULE, ShaderFile, VISIBILITY_MODULE};
 
 /// The format of shadow maps and of the camera's depth.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -44,7 +48,7 @@ pub(crate) struct Pipelines {
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
     visibility: VisibilityPipelines,
-    pub(crate) color: wgpu::RenderPipeline,
+    pub(crate) color: ColorPipelines,
     pub(crate) readback: wgpu::ComputePipeline,
     pub(crate) readback_id: wgpu::ComputePipeline,
 }
@@ -182,7 +186,7 @@ fn full_screen_pipeline(
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
     constants: &[(&str, f64)],
-    target: wgpu::TextureFormat,
+    target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
     let compilation_options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -208,7 +212,7 @@ fn full_screen_pipeline(
             module,
             entry_point: Some(entry_point),
             compilation_options: compilation_options(),
-            targets: &[Some(target.into())],
+            targets: &[Some(target)],
         }),
         multiview_mask: None,
         cache: None,
@@ -240,7 +244,7 @@ impl VisibilityPipelines {
         let make = || {
             let constants =
                 [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias)), ("LIGHT_DEPTH", f64::from(depth))];
-            full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT)
+            full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT.into())
         };
         made.entry([filter, bias, depth]).or_insert_with(make).clone()
     }
@@ -301,14 +305,7 @@ impl Pipelines {
             map: MapPipelines::new(device, &layouts),
             camera,
             visibility: VisibilityPipelines::new(device, &layouts),
-            color: full_screen_pipeline(
-                device,
-                "resolve_color",
-                &module(device, "resolve_color", COLOR_MODULE),
-                &pipeline_layout(device, "resolve_color", &[&layouts.geometry, &layouts.surfaces, &layouts.color]),
-                &[],
-                COLOR_FORMAT,
-            ),
+            color: ColorPipelines::new(device, &layouts),
             readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),
             readback_id: compute_pipeline(device, "read_id", READBACK_ID_MODULE, &[&layouts.readback_id]),
             layouts,

@@ -1,5 +1,6 @@
 //! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
 
+mod color;
 mod maps;
 mod readback;
 
@@ -8,7 +9,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use shadow_math::{
     depth::DEPTH_Z_OVER_W,
     plan::{LightPlan, ViewPlan},
-    shade::BACKGROUND,
 };
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
@@ -407,50 +407,6 @@ impl GpuRenderer {
         }
         self.finish(encoder).await?;
         Ok(GpuVisibility { texture })
-    }
-
-    /// Computes the colour of every pixel. `camera` and `visibility` must be of the same plan, or of one with the same sizes.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
-    pub async fn color(
-        &self,
-        scene: &GpuScene,
-        plan: &FramePlan,
-        camera: &GpuCameraBuffer,
-        visibility: &GpuVisibility,
-    ) -> Result<GpuColor, GpuError> {
-        self.limit_check(&self.limits()).frame(plan)?;
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let texture = self.kept_texture("color", [plan.camera.width, plan.camera.height, 1], COLOR_FORMAT, usage);
-        let buffers = self.plan_buffers(plan);
-        let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
-        let visibilities = visibility.texture.create_view(&depth_array_view());
-        let group = self.bind(
-            "color",
-            &self.pipelines.layouts.color,
-            &[
-                buffers.camera.as_entire_binding(),
-                buffers.lights.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&ids),
-                wgpu::BindingResource::TextureView(&visibilities),
-            ],
-        );
-        let mut encoder = self.encoder("color");
-        {
-            let target = layer_view(&texture, 0);
-            let [r, g, b] = BACKGROUND.map(f64::from);
-            let background = wgpu::Color { r, g, b, a: 1.0 };
-            let mut pass = full_screen_pass(&mut encoder, "color", &target, background, &camera.depth);
-            pass.set_pipeline(&self.pipelines.color);
-            pass.set_bind_group(0, &scene.geometry, &[]);
-            pass.set_bind_group(1, &scene.surfaces, &[]);
-            pass.set_bind_group(2, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        self.finish(encoder).await?;
-        Ok(GpuColor { texture })
     }
 
     /// One block of uniforms after the other, each of the size and alignment that it is bound with.

@@ -366,6 +366,22 @@ pub enum Terminator {
     Soft,
 }
 
+/// How do shadows of several lights come together in the picture?
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Composition {
+    /// Each light is added where it is seen: OGRE's additive light masking.
+    #[default]
+    Additive,
+    /// All lights are added, seen or not, and what a light does not reach is darkened: multiplied by a colour, linear, each part from 0 to 1. OGRE's modulative shadows, whose colour is
+    /// [`OGRE_SHADOW_COLOR`] unless a program says otherwise. Highlights stay visible in shadow, and where two shadows overlap it is darker than ambient light makes it.
+    Modulative([f32; 3]),
+}
+
+/// The grey that OGRE multiplies by where it is not told another colour.
+pub const OGRE_SHADOW_COLOR: [f32; 3] = [0.25; 3];
+
 /// How a light's shadow is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]

@@ -117,6 +117,13 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
     intensity * reflected * illuminance
 }
 
+/// What a light's shadow multiplies the picture by: the shadow's colour where nothing of the light is seen, and 1 where all of it is.
+#[inline(always)]
+#[must_use]
+pub fn shadow_factor(shadow_color: Vec3, visibility: f32) -> Vec3 {
+    shadow_color + (Vec3::ONE - shadow_color) * visibility
+}
+
 /// The radiance of a surface under light from everywhere, in candela per square metre; `ambient` in lux.
 #[inline(always)]
 #[must_use]

@@ -27,9 +27,10 @@ use shadow_math::{
     },
     plan::{
         BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
-        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC,
-        FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays,
-        SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE,
+        COMPOSE_UNSHADOWED, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_FOOTPRINT, FILTER_HARD,
+        FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE,
+        SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
     },
     shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
@@ -121,7 +122,21 @@ macro_rules! layout {
 fn layouts() -> Vec<Layout> {
     vec![
         layout!(PixelRays { origin, origin_dx, origin_dy, direction, direction_dx, direction_dy }),
-        layout!(CameraPlan { clip_x, clip_y, clip_z, clip_w, rays, ambient, exposure, width, height, light_count, padding }),
+        layout!(CameraPlan {
+            clip_x,
+            clip_y,
+            clip_z,
+            clip_w,
+            rays,
+            ambient,
+            exposure,
+            width,
+            height,
+            light_count,
+            first_light,
+            shadow_color,
+            composition
+        }),
         layout!(LightPlan {
             position,
             kind,
@@ -254,6 +269,10 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         BIAS_POLYGON_OFFSET,
         BIAS_OGRE_2006,
         CASTER_OGRE_2006,
+        COMPOSE_ADDITIVE,
+        COMPOSE_FACTOR,
+        COMPOSE_MODULATIVE,
+        COMPOSE_UNSHADOWED,
         CASTER_OGRE_2006_CORRECTED,
         CASTER_PLAIN,
         CASTER_POLYGON_OFFSET,

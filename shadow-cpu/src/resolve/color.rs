@@ -4,7 +4,7 @@ use shadow_math::{
     glam::{Vec2, Vec3},
     material::{NO_TEXTURE, texture_taps},
     plan::{CameraPlan, LightPlan},
-    shade::{Surface, shade_ambient, shade_light},
+    shade::{Surface, shade_ambient, shade_light, shadow_factor},
     triangle::pixel_ray,
     vector::normalized,
 };
@@ -90,6 +90,23 @@ impl SurfaceSpan {
         for i in 0..SPAN {
             radiance.set(i, radiance.get(i) + shade_light(&light, &self.surface(hits, i), visibility[i]));
         }
+    }
+
+    /// Adds one light wherever it would fall, and multiplies the factor of all shadows by its own.
+    #[inline(always)]
+    pub(crate) fn add_unshadowed(
+        &self,
+        camera: &CameraPlan,
+        light: &LightPlan,
+        hits: &Hits,
+        visibility: &Numbers,
+        (radiance, factor): (&mut Vectors, &mut Vectors),
+    ) {
+        let color = Vec3::new(camera.shadow_color[0], camera.shadow_color[1], camera.shadow_color[2]);
+        for i in 0..SPAN {
+            factor.set(i, factor.get(i) * shadow_factor(color, visibility[i]));
+        }
+        self.add_light(light, hits, &[1.0; SPAN], radiance);
     }
 
     /// The materials' part: base colour and shininess.

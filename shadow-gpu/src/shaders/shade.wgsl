@@ -66,3 +66,7 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
 fn shade_ambient(ambient: vec3f, surface: Surface) -> vec3f {
     return surface.base_color * INVERSE_PI * ambient;
 }
+
+fn shadow_factor(shadow_color: vec3f, visibility: f32) -> vec3f {
+    return shadow_color + (vec3f(1.0, 1.0, 1.0) - shadow_color) * visibility;
+}
