@@ -2,8 +2,6 @@
 
 mod readback;
 
-use std::sync::{Arc, Mutex, PoisonError};
-
 use shadow_math::{
     plan::{LightPlan, ViewPlan},
     shade::BACKGROUND,
@@ -15,6 +13,7 @@ use crate::{
     adapter::{AdapterSummary, choose_adapter, new_instance},
     buffers::{TABLE_WIDTH, buffer_with, decode_array, material_table, table_rows, triangle_table, vertex_table, word_table},
     clock::{Instant, milliseconds},
+    device::{DriverErrors, open_device},
     error::GpuError,
     limits::LimitCheck,
     passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
@@ -23,17 +22,13 @@ use crate::{
     wait::submitted_work,
 };
 
-/// What an adapter without memory says, and what to do about it.
-const OUT_OF_MEMORY: &str = "out of memory; render a smaller picture or smaller maps, use fewer lights, or the CPU backend";
-
 /// A renderer on one adapter.
 pub struct GpuRenderer {
     summary: AdapterSummary,
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipelines: Pipelines,
-    /// The first error that the driver reported outside of any call that could return it.
-    driver_error: Arc<Mutex<Option<String>>>,
+    driver_errors: DriverErrors,
     textures: Shelf<wgpu::Texture>,
 }
 
@@ -103,35 +98,9 @@ impl GpuRenderer {
                 return Err(GpuError::Unsupported { adapter: summary.name, what });
             }
         }
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("shadow-gpu"),
-            // All that the adapter has: real scenes need buffers beyond WebGPU's smallest.
-            required_limits: adapter.limits(),
-            ..Default::default()
-        };
-        let (device, queue) = adapter
-            .request_device(&descriptor)
-            .await
-            .map_err(|source| GpuError::Device { adapter: summary.name.clone(), source })?;
-        let driver_error = Arc::new(Mutex::new(None));
-        let slot = Arc::clone(&driver_error);
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let message = match error {
-                wgpu::Error::OutOfMemory { .. } => OUT_OF_MEMORY.into(),
-                error => error.to_string(),
-            };
-            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        }));
-        let slot = Arc::clone(&driver_error);
-        device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device at the end is no error.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                let message = format!("the device was lost: {message}");
-                slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-            }
-        });
+        let (device, queue, driver_errors) = open_device(&adapter, &summary, "shadow-gpu", wgpu::Features::empty()).await?;
         let pipelines = Pipelines::new(&device);
-        let renderer = Self { summary, device, queue, pipelines, driver_error, textures: Shelf::default() };
+        let renderer = Self { summary, device, queue, pipelines, driver_errors, textures: Shelf::default() };
         renderer.check_driver()?;
         Ok(renderer)
     }
@@ -155,10 +124,7 @@ impl GpuRenderer {
     }
 
     fn check_driver(&self) -> Result<(), GpuError> {
-        match self.driver_error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            None => Ok(()),
-            Some(message) => Err(GpuError::Driver { adapter: self.summary.name.clone(), message }),
-        }
+        self.driver_errors.check(&self.summary.name)
     }
 
     fn limits(&self) -> wgpu::Limits {
