@@ -185,6 +185,12 @@ pub(crate) enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// The name of a report for programs does not end in its format.
+    #[error("cannot write `{}`: the report is JSON; choose a name that ends in .json", path.display())]
+    ReportFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// The output cannot be written.
     #[error("cannot write `{}`", path.display())]
     Write {

@@ -10,9 +10,15 @@ use super::{
 /// Steps of a pixel in which vertices are moved: one for each cell of the sheet, and the finest grid that can be seen.
 const STEPS: u32 = CELLS;
 
+/// As many, of a corner that can move either way.
+const STEPS_BACK: i32 = STEPS as i32;
+
 /// Pixels from a cell's middle to the ends of the edge that is examined: far enough that its two ends can be two pixels apart across,
 /// and within the cell.
 const REACH: f64 = 4.0;
+
+/// Pixels by which the two ends of that edge differ before any of them is moved: it then always slants the same way, and one rule decides about samples on it.
+const SLANT: f64 = 1.0;
 
 /// Pixels from a cell's middle to the third corner, which takes no part.
 const APEX: f64 = 6.0;
@@ -163,17 +169,17 @@ async fn covered(rig: &Rig, corners: impl Fn(u32) -> [Corner; 3]) -> Measured<Ve
 ///
 /// The sample is half-way between the two ends, so that it is covered if the two snapped coordinates add up to nothing or less. The
 /// numbers rise by the steps of the grid, whatever its rounding is.
-async fn counterweights(rig: &Rig, axis: Axis) -> Measured<Vec<u32>> {
+async fn counterweights(rig: &Rig, axis: Axis) -> Measured<Vec<i32>> {
     let step = 1.0 / f64::from(STEPS);
-    // Two pixels are more than the first end can have moved, rounded.
-    let (mut low, mut high) = (vec![0; CELLS as usize], vec![2 * STEPS; CELLS as usize]);
+    // The first end moves by less than a pixel, and a grid takes either by at most one more.
+    let (mut low, mut high) = (vec![-STEPS_BACK; CELLS as usize], vec![2 * STEPS_BACK; CELLS as usize]);
     while low.iter().zip(&high).any(|(low, high)| low + 1 < *high) {
-        let tried: Vec<u32> = low.iter().zip(&high).map(|(low, high)| u32::midpoint(*low, *high)).collect();
+        let tried: Vec<i32> = low.iter().zip(&high).map(|(low, high)| i32::midpoint(*low, *high)).collect();
         let corners = |cell: u32| {
             let back = f64::from(tried[cell as usize]) * step;
             [
-                axis.corner(cell, f64::from(cell) * step, -REACH),
-                axis.corner(cell, -back, REACH),
+                axis.corner(cell, SLANT + f64::from(cell) * step, -REACH),
+                axis.corner(cell, -SLANT - back, REACH),
                 axis.corner(cell, APEX, 0.0),
             ]
         };
@@ -185,10 +191,10 @@ async fn counterweights(rig: &Rig, axis: Axis) -> Measured<Vec<u32>> {
 }
 
 /// The steps, from 1 to [`STEPS`], at which the first end gets to the next grid line.
-fn grid_lines(counterweights: &[u32]) -> Vec<u32> {
+fn grid_lines(counterweights: &[i32]) -> Vec<u32> {
     // A pixel further everything repeats.
-    let closed = counterweights.iter().copied().chain(counterweights.first().map(|first| first + STEPS));
-    let all: Vec<u32> = closed.collect();
+    let closed = counterweights.iter().copied().chain(counterweights.first().map(|first| first + STEPS_BACK));
+    let all: Vec<i32> = closed.collect();
     (1..).zip(all.windows(2)).filter(|(_, pair)| pair[0] != pair[1]).map(|(step, _)| step).collect()
 }
 
@@ -330,11 +336,10 @@ mod tests {
     use super::*;
 
     /// What a rasteriser with this grid would answer: the counterweight of each step.
-    fn counterweights(bits: u32, rounding: GridRounding) -> Vec<u32> {
-        let snap = |step: f64| rounding.snap(0.5 + step / f64::from(STEPS), bits) - 0.5;
-        (0..STEPS)
-            .map(|step| (1..=2 * STEPS).find(|back| snap(f64::from(step)) + snap(-f64::from(*back)) < 0.0).expect("two pixels are enough"))
-            .collect()
+    fn counterweights(bits: u32, rounding: GridRounding) -> Vec<i32> {
+        let snap = |step: i32| rounding.snap(0.5 + f64::from(step) / f64::from(STEPS), bits) - 0.5;
+        let answer = |step: i32| (-STEPS_BACK..=2 * STEPS_BACK).find(|back| snap(step) + snap(-back) <= 0.0);
+        (0..STEPS_BACK).map(|step| answer(step).expect("two pixels are enough")).collect()
     }
 
     #[test]
@@ -357,9 +362,9 @@ mod tests {
     /// What is no grid is not given a number of bits.
     #[test]
     fn what_is_no_grid_is_not_measured() {
-        let finest: Vec<u32> = (0..STEPS).map(|step| step + 1).collect();
+        let finest: Vec<i32> = (0..STEPS_BACK).collect();
         assert!(bits_of(&grid_lines(&finest)).is_err_and(|reason| reason.0.contains("finer")));
-        let thirds: Vec<u32> = (0..STEPS).map(|step| step * 3 / STEPS).collect();
+        let thirds: Vec<i32> = (0..STEPS_BACK).map(|step| step * 3 / STEPS_BACK * STEPS_BACK / 3).collect();
         let reason = bits_of(&grid_lines(&thirds)).expect_err("three lines are no grid of bits");
         assert!(reason.0.starts_with("3 grid lines"), "{reason}");
     }
