@@ -10,7 +10,7 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 use shadow_gpu::shaders::{
-    ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS,
+    ALL, CAMERA_MODULE, COLOR_MODULE, PROBE_COMPARE_MODULE, PROBE_DRAW_MODULE, PROBE_READ_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS,
     VISIBILITY_MODULE, join,
 };
 use shadow_math::{
@@ -43,6 +43,9 @@ const MODULES: &[(&str, &[ShaderFile])] = &[
     ("color", COLOR_MODULE),
     ("readback", READBACK_MODULE),
     ("readback id", READBACK_ID_MODULE),
+    ("probe, drawing", PROBE_DRAW_MODULE),
+    ("probe, reading", PROBE_READ_MODULE),
+    ("probe, comparing", PROBE_COMPARE_MODULE),
 ];
 
 /// Files that no module of the renderer needs, and why they are there.

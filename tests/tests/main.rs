@@ -20,3 +20,4 @@ mod sweep;
 mod program;
 mod program_files;
 mod program_scenes;
+mod probe;

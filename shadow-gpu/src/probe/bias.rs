@@ -93,10 +93,10 @@ async fn moved(rig: &Rig, format: DepthFormat, bias: wgpu::DepthBiasState, trian
     Ok(cells.collect())
 }
 
-/// How many units a bias has to be measured with: about a hundredth of the range, so that one is known to many digits.
+/// How many units a bias has to be measured with: some hundredths of the range, so that one is known to many digits and none reaches the end of the range.
 const fn many_units(format: DepthFormat) -> i32 {
     match format {
-        DepthFormat::Depth16Unorm => 1 << 10,
+        DepthFormat::Depth16Unorm => 1 << 12,
         DepthFormat::Depth24Plus | DepthFormat::Depth32Float => 1 << 16,
     }
 }

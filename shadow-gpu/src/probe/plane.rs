@@ -1,5 +1,7 @@
 //! Which depth a triangle's samples get: the plane that it is read from, and how far rounding takes it.
 
+use shadow_math::rounding::map_bound;
+
 use super::{
     Measured,
     raster::RasterFindings,
@@ -47,6 +49,19 @@ pub struct DepthError {
     pub worst_ulp: f64,
     /// The greatest error, as a share of the depth range.
     pub worst: f64,
+    /// The greatest share of what the automatic bias leaves to rounding ([`map_bound`]) that an error takes. Above 1 that bias is not enough here.
+    pub worst_of_bound: f64,
+}
+
+/// How far a sample's depth is from that of an exact plane.
+#[derive(Clone, Copy, Debug)]
+struct SampleError {
+    /// In units in the last place of the exact depth.
+    ulp: f64,
+    /// As a share of the depth range.
+    share: f64,
+    /// As a share of what the automatic bias leaves to rounding.
+    of_bound: f64,
 }
 
 /// Which depth a triangle's samples get.
@@ -72,12 +87,18 @@ fn doubled_area([a, b, c]: [Corner; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The depth at a point of the plane through three corners.
-fn depth_at([a, b, c]: [Corner; 3], [x, y]: [f64; 2]) -> f64 {
-    let [dx, dy] = [x - a[0], y - a[1]];
-    let share_b = dx * (c[1] - a[1]) - dy * (c[0] - a[0]);
-    let share_c = (b[0] - a[0]) * dy - (b[1] - a[1]) * dx;
-    a[2] + ((b[2] - a[2]) * share_b + (c[2] - a[2]) * share_c) / doubled_area([a, b, c])
+/// The derivatives along x and y of the plane through three corners.
+fn gradient([a, b, c]: [Corner; 3]) -> [f64; 2] {
+    let area = doubled_area([a, b, c]);
+    let [to_b, to_c] = [b[2] - a[2], c[2] - a[2]];
+    [(to_b * (c[1] - a[1]) - to_c * (b[1] - a[1])) / area, (to_c * (b[0] - a[0]) - to_b * (c[0] - a[0])) / area]
+}
+
+/// The depth at a point of that plane.
+fn depth_at(corners: [Corner; 3], [x, y]: [f64; 2]) -> f64 {
+    let [dx, dy] = gradient(corners);
+    let [a, ..] = corners;
+    a[2] + dx * (x - a[0]) + dy * (y - a[1])
 }
 
 /// Random triangles, one in each cell; in perspective or not.
@@ -112,17 +133,20 @@ fn triangles(seed: u64, is_perspective: bool, is_clear: impl Fn(&Corner) -> bool
     all
 }
 
-/// The errors of all covered samples against exact planes, as `(ulp, share of the depth range)`.
-fn errors(sheet: &Sheet, triangles: &[Triangle], snap: impl Fn(Corner) -> Corner) -> Vec<(f64, f64)> {
+/// The errors of all covered samples against exact planes.
+fn errors(sheet: &Sheet, triangles: &[Triangle], snap: impl Fn(Corner) -> Corner) -> Vec<SampleError> {
     let mut errors = Vec::new();
+    let [texels, depth] = map_bound(f64::from(SHEET));
     for (cell, triangle) in (0..).zip(triangles) {
         let corners = triangle.window(SHEET).map(&snap);
+        let [dx, dy] = gradient(corners);
+        let bound = texels * (dx.abs() + dy.abs()) + depth;
         let [left, top] = middle_pixel(cell).map(|pixel| pixel - CELL / 2);
         for pixel in (0..CELL * CELL).map(|index| [left + index % CELL, top + index / CELL]) {
             if sheet.is_covered(pixel) {
                 let exact = depth_at(corners, pixel.map(|place| f64::from(place) + 0.5));
-                let error = (f64::from(sheet.at(pixel)) - exact).abs();
-                errors.push((error / ulp(exact), error));
+                let share = (f64::from(sheet.at(pixel)) - exact).abs();
+                errors.push(SampleError { ulp: share / ulp(exact), share, of_bound: share / bound });
             }
         }
     }
@@ -130,14 +154,14 @@ fn errors(sheet: &Sheet, triangles: &[Triangle], snap: impl Fn(Corner) -> Corner
 }
 
 /// The median and the greatest of errors.
-fn summary(mut errors: Vec<(f64, f64)>) -> Measured<DepthError> {
-    if errors.is_empty() || errors.iter().any(|(ulps, _)| ulps.is_nan()) {
+fn summary(mut errors: Vec<SampleError>) -> Measured<DepthError> {
+    if errors.is_empty() || errors.iter().any(|error| error.ulp.is_nan()) {
         return unmeasured("the triangles covered nothing, or with depths that are no numbers");
     }
-    let worst = errors.iter().map(|(_, share)| *share).fold(0.0, f64::max);
-    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let worst_ulp = errors.last().map_or(0.0, |(ulps, _)| *ulps);
-    Ok(DepthError { samples: errors.len(), median_ulp: errors[errors.len() / 2].0, worst_ulp, worst })
+    let worst = |part: fn(&SampleError) -> f64| errors.iter().map(part).fold(0.0, f64::max);
+    let [worst_ulp, worst, worst_of_bound] = [worst(|error| error.ulp), worst(|error| error.share), worst(|error| error.of_bound)];
+    errors.sort_by(|a, b| a.ulp.total_cmp(&b.ulp));
+    Ok(DepthError { samples: errors.len(), median_ulp: errors[errors.len() / 2].ulp, worst_ulp, worst, worst_of_bound })
 }
 
 /// Measures which depth a triangle's samples get.

@@ -10,7 +10,7 @@ use shadow_scene::compare::tolerance;
 use super::rows::share;
 
 /// How far a unit of bias may be from the usual one, as a share, and still be called that.
-const UNIT_TOLERANCE: f64 = 0.01;
+const UNIT_TOLERANCE: f64 = 0.001;
 
 /// Whether something was measured, and is so.
 fn holds<T>(finding: &Measured<T>, is_so: impl Fn(&T) -> bool) -> bool {
@@ -73,12 +73,12 @@ fn of_plane(found: &PlaneRules, warnings: &mut Vec<String>) {
                 .into(),
         );
     }
-    let worst = [&found.parallel, &found.perspective].into_iter().filter_map(|error| error.as_ref().ok()).map(|error| error.worst);
-    let worst = worst.fold(0.0, f64::max);
-    if worst > tolerance::DEPTH {
+    let errors = [&found.parallel, &found.perspective].into_iter().filter_map(|error| error.as_ref().ok());
+    let worst = errors.map(|error| error.worst_of_bound).fold(0.0, f64::max);
+    if worst > 1.0 {
         warnings.push(format!(
-            "depths are up to {worst:.1e} of the range from their plane, more than the {:.1e} that `shadow compare` allows a map",
-            tolerance::DEPTH
+            "depths are off by up to {worst:.1} times what the automatic bias leaves to rounding: it does not hold here, and `--bias \
+             automatic` may leave acne"
         ));
     }
 }

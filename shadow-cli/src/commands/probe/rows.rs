@@ -114,10 +114,18 @@ fn depth_error(name: &'static str, error: &Measured<DepthError>) -> Row {
     Row::new(
         name,
         error,
-        |error| json!({ "samples": error.samples, "median_ulp": error.median_ulp, "worst_ulp": error.worst_ulp, "worst": error.worst }),
         |error| {
-            let DepthError { samples, median_ulp, worst_ulp, worst } = error;
-            format!("{median_ulp:.2} ulp in the median, at worst {worst_ulp:.1} ({worst:.1e} of the range), of {samples} samples")
+            let DepthError { samples, median_ulp, worst_ulp, worst, worst_of_bound } = error;
+            json!({
+                "samples": samples, "median_ulp": median_ulp, "worst_ulp": worst_ulp, "worst": worst, "worst_of_bound": worst_of_bound,
+            })
+        },
+        |error| {
+            let DepthError { samples, median_ulp, worst_ulp, worst, worst_of_bound } = error;
+            let percent = 100.0 * worst_of_bound;
+            format!(
+                "{median_ulp:.2} ulp off in the median of {samples} samples, at worst {worst_ulp:.1} ({worst:.1e} of the range, {percent:.1} % of the bias's bound)"
+            )
         },
     )
 }
@@ -153,10 +161,11 @@ pub(super) fn limit_rows(found: &DepthLimits) -> Vec<Row> {
 
 /// Units in words: one if they are all alike, else one for each depth.
 fn units_text(units: &[UnitAt]) -> String {
-    let shares: Vec<_> = units.iter().map(|at| share(at.unit)).collect();
-    match shares.first() {
-        Some(first) if shares.iter().all(|share| share == first) => first.clone(),
-        _ => units.iter().zip(&shares).map(|(at, share)| format!("{share} at {}", at.depth)).collect::<Vec<_>>().join("\n"),
+    /// How far units may be from each other, as a share, and still be called alike: what is left of the rounding of depths.
+    const TOLERANCE: f64 = 1e-5;
+    match units.last() {
+        Some(last) if units.iter().all(|at| (at.unit / last.unit - 1.0).abs() < TOLERANCE) => share(last.unit),
+        _ => units.iter().map(|at| format!("{} at {}", share(at.unit), at.depth)).collect::<Vec<_>>().join("\n"),
     }
 }
 
