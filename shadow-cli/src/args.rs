@@ -19,11 +19,11 @@ use shadow_math::Filter;
 use shadow_scene::Choice;
 
 pub(crate) use self::filter::{FilterList, FilterName};
-pub(crate) use self::probe::ProbeArgs;
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
     RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
+pub(crate) use self::probe::ProbeArgs;
 use crate::bias::{BiasNames, BiasNumbers, gradient_numbers};
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, bias_metres, exposure_value,

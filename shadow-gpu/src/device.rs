@@ -52,16 +52,10 @@ pub(crate) async fn open_device(
     label: &'static str,
     required_features: wgpu::Features,
 ) -> Result<(wgpu::Device, wgpu::Queue, DriverErrors), GpuError> {
-    let descriptor = wgpu::DeviceDescriptor {
-        label: Some(label),
-        required_features,
-        required_limits: adapter.limits(),
-        ..Default::default()
-    };
-    let (device, queue) = adapter
-        .request_device(&descriptor)
-        .await
-        .map_err(|source| GpuError::Device { adapter: summary.name.clone(), source })?;
+    let descriptor =
+        wgpu::DeviceDescriptor { label: Some(label), required_features, required_limits: adapter.limits(), ..Default::default() };
+    let (device, queue) =
+        adapter.request_device(&descriptor).await.map_err(|source| GpuError::Device { adapter: summary.name.clone(), source })?;
     let errors = DriverErrors::watch(&device);
     Ok((device, queue, errors))
 }

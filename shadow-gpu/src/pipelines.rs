@@ -64,14 +64,18 @@ pub(crate) const fn storage(read_only: bool) -> wgpu::BindingType {
     }
 }
 
-pub(crate) const fn texture(sample_type: wgpu::TextureSampleType, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+pub(crate) const fn texture(
+    sample_type: wgpu::TextureSampleType,
+    view_dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 /// Depths are bound as numbers that cannot be filtered: the same binding takes a depth texture and an upload.
 const DEPTHS: wgpu::BindingType =
     texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2Array);
-pub(crate) const FLOATS: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+pub(crate) const FLOATS: wgpu::BindingType =
+    texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 const IDS: wgpu::BindingType = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
 
 /// A layout whose bindings are numbered from 0.

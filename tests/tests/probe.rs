@@ -7,8 +7,8 @@ use shadow_cpu::raster::DepthPlaneRule;
 use shadow_gpu::{
     DriverRules,
     probe::{
-        AdapterRules, ComparisonFilter, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, RangeOverflow,
-        SlopeRule, Ties, probe,
+        AdapterRules, ComparisonFilter, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding,
+        RangeOverflow, SlopeRule, Ties, probe,
     },
 };
 use shadow_tests::renderers;
@@ -117,7 +117,10 @@ fn the_table_names_every_finding() {
     let folder = Folder::new("probe");
     let report = folder.json(&["probe", "--json", "--output", "probe.json"]);
     assert_eq!(report["adapter"]["name"].as_str(), Some(rules().adapter.name.as_str()));
-    assert_eq!(report["raster"]["subpixel_bits"].as_u64(), rules().raster.subpixel_bits.as_ref().ok().map(|bits| u64::from(*bits)));
+    assert_eq!(
+        report["raster"]["subpixel_bits"].as_u64(),
+        rules().raster.subpixel_bits.as_ref().ok().map(|bits| u64::from(*bits))
+    );
     let file = std::fs::read(folder.path().join("probe.json")).expect("the file was written");
     assert_eq!(serde_json::from_slice::<Value>(&file).expect("it is JSON"), report);
 

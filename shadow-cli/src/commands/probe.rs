@@ -119,7 +119,8 @@ fn reasons(report: &Report) -> Vec<(String, String)> {
     let groups = [("raster", &report.raster), ("depth_plane", &report.depth_plane), ("limits", &report.limits)];
     let groups = groups.into_iter().map(|(name, rows)| (name.to_string(), rows));
     let formats = report.formats.0.iter().map(|(name, rows)| (format!("formats.{name}"), rows));
-    let all = groups.chain(formats).flat_map(|(group, rows)| rows.0.iter().map(move |row| (format!("{group}.{}", row.name), row)));
+    let all =
+        groups.chain(formats).flat_map(|(group, rows)| rows.0.iter().map(move |row| (format!("{group}.{}", row.name), row)));
     all.filter_map(|(path, row)| Some((path, row.reason.clone()?))).collect()
 }
 
@@ -127,7 +128,9 @@ fn reasons(report: &Report) -> Vec<(String, String)> {
 fn text(report: &Report) -> String {
     let Adapter { name, backend, driver, driver_info, .. } = &report.adapter;
     let mut text = format!("{}\n", format!("{name} through {backend}: {driver} {driver_info}").trim());
-    for (title, rows) in [("rasterisation", &report.raster), ("depth of samples", &report.depth_plane), ("near and far", &report.limits)] {
+    for (title, rows) in
+        [("rasterisation", &report.raster), ("depth of samples", &report.depth_plane), ("near and far", &report.limits)]
+    {
         let rows: Vec<_> = rows.0.iter().map(|row| vec![format!("  {}", row.label()), row.text.clone()]).collect();
         text.push_str(&format!("\n{title}\n{}", table(&rows, |_| true)));
     }

@@ -82,7 +82,13 @@ fn constant(units: i32) -> wgpu::DepthBiasState {
 }
 
 /// By how much a bias moves the depths in the cells' middles, or in the pixel so many to the left of it.
-async fn moved(rig: &Rig, format: DepthFormat, bias: wgpu::DepthBiasState, triangles: &[Triangle], left: u32) -> Measured<Vec<f64>> {
+async fn moved(
+    rig: &Rig,
+    format: DepthFormat,
+    bias: wgpu::DepthBiasState,
+    triangles: &[Triangle],
+    left: u32,
+) -> Measured<Vec<f64>> {
     let without = rig.draw(&Drawing { format, ..Drawing::new(triangles) }).await?;
     let with = rig.draw(&Drawing { format, bias, ..Drawing::new(triangles) }).await?;
     let cells = (0..CELLS).zip(triangles).map(|(cell, _)| {
@@ -163,8 +169,7 @@ async fn slope(rig: &Rig, format: DepthFormat) -> Measured<SlopeRule> {
     const SCALE: f32 = 16.0;
     /// Derivatives in units of [`SLOPE`]: of a right triangle whose sides have whole lengths, turned and mirrored.
     const SIDES: [[f64; 2]; 6] = [[3.0, 4.0], [4.0, 3.0], [-3.0, 4.0], [3.0, -4.0], [-4.0, -3.0], [-4.0, 3.0]];
-    let triangles: Vec<_> =
-        (0..).zip(SIDES).map(|(cell, sides)| tilted(cell, 0.5, sides.map(|side| side * SLOPE))).collect();
+    let triangles: Vec<_> = (0..).zip(SIDES).map(|(cell, sides)| tilted(cell, 0.5, sides.map(|side| side * SLOPE))).collect();
     let bias = wgpu::DepthBiasState { slope_scale: SCALE, ..Default::default() };
     let moved = moved(rig, format, bias, &triangles, 0).await?;
     let lengths: Vec<f64> = moved.iter().map(|moved| moved / f64::from(SCALE) / SLOPE).collect();

@@ -3,7 +3,7 @@
 use super::{
     DepthFormat, Measured,
     rig::{Drawing, Rig},
-    triangles::rectangle,
+    triangles::{Random, rectangle},
     unmeasured,
 };
 
@@ -22,7 +22,7 @@ const REFERENCES: [f32; 3] = [0.5, 0.375, 0.625];
 /// Steps of a texel in which a lookup moves.
 const STEPS: u32 = 4096;
 
-/// Steps of a texel in which it moves on the second look, where the first saw every step.
+/// Steps of a texel in which it moves on the second look, where the first saw every step: as fine as coordinates across the texture are exact in single precision.
 const FINE_STEPS: f64 = 1_048_576.0;
 
 /// How far weights may be from bilinear ones and still be called that: a step of the four bits that is the least of what is used.
@@ -102,12 +102,11 @@ fn line() -> Vec<[f64; 2]> {
     (0..=STEPS).map(|step| [f64::from(step) / f64::from(STEPS), 0.0]).collect()
 }
 
-/// Lookups all around the texel, as far as the centres of its neighbours.
-fn square() -> Vec<[f64; 2]> {
-    /// Lookups from the texel's centre to the next one's.
-    const HALF: i32 = 32;
-    let places = move |index: i32| f64::from(index) / f64::from(HALF);
-    (-HALF..=HALF).flat_map(|down| (-HALF..=HALF).map(move |right| [places(right), places(down)])).collect()
+/// Lookups scattered around the texel, as far as the centres of its neighbours: round places alone could hide how weights are rounded.
+fn scattered() -> Vec<[f64; 2]> {
+    let mut random = Random(1);
+    let mut place = || f64::from(random.below(2 * FINE_STEPS as u32)) / FINE_STEPS - 1.0;
+    (0..STEPS).map(|_| [place(), place()]).collect()
 }
 
 /// In how fine steps the shares along [`line`] go; where each of them is another, a closer look says.
@@ -127,20 +126,25 @@ async fn steps(rig: &Rig, format: DepthFormat, along: &[f32]) -> Measured<Weight
 
 /// Measures what the comparison sampler does with a format.
 pub(super) async fn measure(rig: &Rig, format: DepthFormat) -> ComparisonRules {
-    let (line, square) = (line(), square());
+    let (line, scattered) = (line(), scattered());
     let looked = async {
         let along = shares(rig, format, REFERENCES[0], &line).await?;
-        let around = shares(rig, format, REFERENCES[0], &square).await?;
+        let around = shares(rig, format, REFERENCES[0], &scattered).await?;
         Ok((along, around))
     };
     let (along, around) = match looked.await {
         Ok(shares) => shares,
         Err(reason) => {
             let error = || Err(Clone::clone(&reason));
-            return ComparisonRules { filter: error(), compares_first: Err(reason.clone()), steps: Err(reason.clone()), worst_weight_error: Err(reason) };
+            return ComparisonRules {
+                filter: error(),
+                compares_first: Err(reason.clone()),
+                steps: Err(reason.clone()),
+                worst_weight_error: Err(reason),
+            };
         }
     };
-    let worst = worst_error(&line, &along).max(worst_error(&square, &around));
+    let worst = worst_error(&line, &along).max(worst_error(&scattered, &around));
     let is_test = |share: &f32| *share == 0.0 || *share == 1.0;
     if along.iter().chain(&around).all(is_test) && distinct(&along) > 1 {
         let none = || "the sampler does not average".to_string();

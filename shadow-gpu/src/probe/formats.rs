@@ -3,7 +3,7 @@
 use super::{
     DepthFormat, Measured,
     rig::{Drawing, Rig},
-    triangles::{CELL, CELLS, Sheet, SHEET, Triangle, middle, rectangle},
+    triangles::{CELL, CELLS, SHEET, Sheet, Triangle, middle, rectangle},
     unmeasured,
 };
 
@@ -71,7 +71,9 @@ fn unorm_bits(kept: &[f32]) -> Measured<u32> {
     /// How far a step may be from that of so many bits, as a share: its ends are rounded to single precision.
     const TOLERANCE: f64 = 1e-3;
     if step.is_infinite() || (step / expected - 1.0).abs() > TOLERANCE {
-        return unmeasured(format!("the smallest step between depths that were kept is {step:e}, which is that of no number of bits"));
+        return unmeasured(format!(
+            "the smallest step between depths that were kept is {step:e}, which is that of no number of bits"
+        ));
     }
     Ok(bits as u32)
 }

@@ -159,7 +159,8 @@ fn summary(mut errors: Vec<SampleError>) -> Measured<DepthError> {
         return unmeasured("the triangles covered nothing, or with depths that are no numbers");
     }
     let worst = |part: fn(&SampleError) -> f64| errors.iter().map(part).fold(0.0, f64::max);
-    let [worst_ulp, worst, worst_of_bound] = [worst(|error| error.ulp), worst(|error| error.share), worst(|error| error.of_bound)];
+    let [worst_ulp, worst, worst_of_bound] =
+        [worst(|error| error.ulp), worst(|error| error.share), worst(|error| error.of_bound)];
     errors.sort_by(|a, b| a.ulp.total_cmp(&b.ulp));
     Ok(DepthError { samples: errors.len(), median_ulp: errors[errors.len() / 2].ulp, worst_ulp, worst, worst_of_bound })
 }
@@ -170,7 +171,11 @@ pub(super) async fn measure(rig: &Rig, raster: &RasterFindings) -> PlaneRules {
         Ok(grid) => grid,
         Err(reason) => {
             let unknown = format!("the sub-pixel grid is not known: {reason}");
-            return PlaneRules { plane: unmeasured(&*unknown), parallel: unmeasured(&*unknown), perspective: unmeasured(unknown) };
+            return PlaneRules {
+                plane: unmeasured(&*unknown),
+                parallel: unmeasured(&*unknown),
+                perspective: unmeasured(unknown),
+            };
         }
     };
     let snap = |[x, y, z]: Corner| [rounding[0].snap(x, bits), rounding[1].snap(y, bits), z];

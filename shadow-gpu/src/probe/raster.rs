@@ -106,7 +106,12 @@ impl EdgeRule {
     /// Whether this is WebGPU's rule: left and top edges cover, the others do not.
     #[must_use]
     pub fn is_top_left(&self) -> bool {
-        self.left && self.top && !self.right && !self.bottom && self.left_diagonals == [true; 2] && self.right_diagonals == [false; 2]
+        self.left
+            && self.top
+            && !self.right
+            && !self.bottom
+            && self.left_diagonals == [true; 2]
+            && self.right_diagonals == [false; 2]
     }
 
     /// Whether of two triangles with a common edge exactly one covers a sample on it.
@@ -320,8 +325,12 @@ pub(super) async fn measure(rig: &Rig) -> RasterFindings {
         (Ok(_), Ok(x), Ok(y)) => rounding_of(x).and_then(|x| Ok([x, rounding_of(y)?])),
         (Err(reason), ..) | (_, Err(reason), _) | (.., Err(reason)) => Err(reason.clone()),
     };
-    let mut findings =
-        RasterFindings { subpixel_bits, rounding, sample: unmeasured("the sub-pixel grid is not known"), edges: edges(rig).await };
+    let mut findings = RasterFindings {
+        subpixel_bits,
+        rounding,
+        sample: unmeasured("the sub-pixel grid is not known"),
+        edges: edges(rig).await,
+    };
     if let Ok((bits, [x, y])) = findings.grid() {
         findings.sample = match (sample_on(rig, Axis::X, bits, x).await, sample_on(rig, Axis::Y, bits, y).await) {
             (Ok(x), Ok(y)) => Ok(SampleRange { x, y }),

@@ -106,8 +106,10 @@ impl Rig {
 
     fn pipeline(&self, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
         let attribute = |format, offset, shader_location| wgpu::VertexAttribute { format, offset, shader_location };
-        let attributes =
-            [attribute(wgpu::VertexFormat::Float32x4, 0, 0), attribute(wgpu::VertexFormat::Float32, size_of::<[f32; 4]>() as u64, 1)];
+        let attributes = [
+            attribute(wgpu::VertexFormat::Float32x4, 0, 0),
+            attribute(wgpu::VertexFormat::Float32, size_of::<[f32; 4]>() as u64, 1),
+        ];
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,

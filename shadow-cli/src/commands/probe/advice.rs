@@ -2,8 +2,8 @@
 
 use shadow_cpu::{RasterRules, raster::DepthPlaneRule};
 use shadow_gpu::probe::{
-    AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, Measured, PlaneRules,
-    RangeOverflow, RasterFindings, SlopeRule, Ties,
+    AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, Measured,
+    PlaneRules, RangeOverflow, RasterFindings, SlopeRule, Ties,
 };
 use shadow_scene::compare::tolerance;
 
@@ -23,7 +23,10 @@ pub(super) fn warnings(rules: &AdapterRules) -> Vec<String> {
     of_raster(&rules.raster, &mut warnings);
     of_plane(&rules.plane, &mut warnings);
     if holds(&rules.limits.near_clips, |clips| !clips) || holds(&rules.limits.far_clips, |clips| !clips) {
-        warnings.push("casters beyond the near or far plane are drawn although nothing asks for it: maps hold what the plan leaves out".into());
+        warnings.push(
+            "casters beyond the near or far plane are drawn although nothing asks for it: maps hold what the plan leaves out"
+                .into(),
+        );
     }
     for format in &rules.formats {
         of_format(format, &mut warnings);
@@ -85,11 +88,17 @@ fn of_plane(found: &PlaneRules, warnings: &mut Vec<String>) {
 
 fn of_format(found: &FormatRules, warnings: &mut Vec<String>) {
     let name = found.format.name();
-    if found.format == DepthFormat::Depth24Plus && holds(&found.depth.storage, |storage| *storage != DepthStorage::Unorm { bits: 24 }) {
-        warnings.push(format!("{name} is not 24-bit whole numbers here: a map of 24 bits cannot be made of it, and its rounding is another"));
+    if found.format == DepthFormat::Depth24Plus
+        && holds(&found.depth.storage, |storage| *storage != DepthStorage::Unorm { bits: 24 })
+    {
+        warnings.push(format!(
+            "{name} is not 24-bit whole numbers here: a map of 24 bits cannot be made of it, and its rounding is another"
+        ));
     }
     if holds(&found.depth.written, |overflow| *overflow == RangeOverflow::Kept) {
-        warnings.push(format!("{name} keeps depths outside of 0 to 1 that a fragment writes: a shader that writes depth must clamp it itself"));
+        warnings.push(format!(
+            "{name} keeps depths outside of 0 to 1 that a fragment writes: a shader that writes depth must clamp it itself"
+        ));
     }
     if let Some(unit) = unusual_unit(found) {
         warnings.push(format!("{name}: {unit}; a bias in the pipeline's units would not be the same shadow on another adapter"));
@@ -110,15 +119,24 @@ fn unusual_unit(found: &FormatRules) -> Option<String> {
     let (usual, depends_on) = match storage {
         DepthStorage::Unorm { bits } => (f64::from(bits).exp2().recip(), FloatUnit::Fixed),
         // The last place of the triangle's greatest depth.
-        DepthStorage::Float => ((greatest.depth.log2().floor() - f64::from(f32::MANTISSA_DIGITS - 1)).exp2(), FloatUnit::Triangle),
+        DepthStorage::Float => {
+            ((greatest.depth.log2().floor() - f64::from(f32::MANTISSA_DIGITS - 1)).exp2(), FloatUnit::Triangle)
+        }
     };
     if (greatest.unit / usual - 1.0).abs() > UNIT_TOLERANCE {
-        return Some(format!("a constant bias of 1 is {} at a depth of {}, not {}", share(greatest.unit), greatest.depth, share(usual)));
+        return Some(format!(
+            "a constant bias of 1 is {} at a depth of {}, not {}",
+            share(greatest.unit),
+            greatest.depth,
+            share(usual)
+        ));
     }
     let wrong = *found.bias.depends_on.as_ref().ok()? != depends_on;
     wrong.then(|| match depends_on {
         FloatUnit::Fixed => "the unit of a constant bias is not the same at all depths".into(),
-        FloatUnit::Triangle | FloatUnit::Sample => "the unit of a constant bias does not go by the triangle's greatest depth".into(),
+        FloatUnit::Triangle | FloatUnit::Sample => {
+            "the unit of a constant bias does not go by the triangle's greatest depth".into()
+        }
     })
 }
 
@@ -128,7 +146,9 @@ fn of_comparison(name: &str, found: &ComparisonRules, warnings: &mut Vec<String>
         return;
     }
     if holds(&found.compares_first, |compares_first| !compares_first) {
-        warnings.push(format!("{name}: the comparison sampler averages depths before it compares them, which is no filter of shadows"));
+        warnings.push(format!(
+            "{name}: the comparison sampler averages depths before it compares them, which is no filter of shadows"
+        ));
     }
     if let Ok(error) = found.worst_weight_error.as_ref()
         && *error > f64::from(tolerance::VISIBILITY)

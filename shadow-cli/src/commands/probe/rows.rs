@@ -215,10 +215,15 @@ pub(super) fn format_rows(found: &FormatRules) -> Vec<Row> {
     rows.extend(bias_rows(&found.bias));
     let comparison = &found.comparison;
     rows.extend([
-        Row::new("comparison_taps", &comparison.filter, |filter| json!(filter.taps()), |filter| match filter.taps() {
-            1 => "1, the nearest texel".into(),
-            taps => format!("{taps}, bilinear weights"),
-        }),
+        Row::new(
+            "comparison_taps",
+            &comparison.filter,
+            |filter| json!(filter.taps()),
+            |filter| match filter.taps() {
+                1 => "1, the nearest texel".into(),
+                taps => format!("{taps}, bilinear weights"),
+            },
+        ),
         Row::flag("compares_first", &comparison.compares_first),
         Row::new(
             "weight_steps",
