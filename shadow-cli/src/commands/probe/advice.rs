@@ -5,6 +5,7 @@ use shadow_gpu::probe::{
     AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, Measured,
     PlaneRules, RangeOverflow, RasterFindings, SlopeRule, Ties,
 };
+use shadow_math::plan::SNAP_TEXELS;
 use shadow_scene::compare::tolerance;
 
 use super::rows::share;
@@ -17,11 +18,16 @@ fn holds<T>(finding: &Measured<T>, is_so: impl Fn(&T) -> bool) -> bool {
     finding.as_ref().is_ok_and(is_so)
 }
 
+/// A share of a pixel as a fraction of one.
+fn fraction(share: f64) -> String {
+    format!("1/{}", share.recip().round())
+}
+
 /// What to know before relying on this adapter.
 pub(super) fn warnings(rules: &AdapterRules) -> Vec<String> {
     let mut warnings = Vec::new();
     of_raster(&rules.raster, &mut warnings);
-    of_plane(&rules.plane, &mut warnings);
+    of_plane(&rules.plane, &rules.raster, &mut warnings);
     if holds(&rules.limits.near_clips, |clips| !clips) || holds(&rules.limits.far_clips, |clips| !clips) {
         warnings.push(
             "casters beyond the near or far plane are drawn although nothing asks for it: maps hold what the plan leaves out"
@@ -67,14 +73,29 @@ fn of_raster(found: &RasterFindings, warnings: &mut Vec<String>) {
     }
 }
 
-fn of_plane(found: &PlaneRules, warnings: &mut Vec<String>) {
+fn of_plane(found: &PlaneRules, raster: &RasterFindings, warnings: &mut Vec<String>) {
     let usual = RasterRules::default().depth_plane;
     if holds(&found.plane, |plane| (*plane == DepthPlane::Snapped) != (usual == DepthPlaneRule::Snapped)) {
         warnings.push(
-            "depth planes do not go through the corners that the CPU renderer's default rules have: depths differ by up to a sub-pixel step \
-             times the slope, which the rounding of the automatic bias has room for and equality to the bit has not"
+            "depth planes do not go through the corners that the CPU renderer's default rules have: the two renderers' depths differ by up to \
+             a sub-pixel step times the slope"
                 .into(),
         );
+    }
+    // The nearest line is at most half a step away, and the next one, where corners are not rounded to the nearest, a whole one.
+    let steps = match &raster.rounding {
+        Ok(rounding) if rounding.iter().all(|rounding| matches!(rounding, GridRounding::Nearest(_))) => 0.5,
+        _ => 1.0,
+    };
+    if let (Ok(DepthPlane::Snapped), Ok(bits)) = (&found.plane, &raster.subpixel_bits)
+        && steps / f64::from(*bits).exp2() > f64::from(SNAP_TEXELS)
+    {
+        warnings.push(format!(
+            "depth planes go through corners that are moved by up to {} pixel first, and the automatic bias leaves {} texel to that: `--bias \
+             automatic` is too small here, and some pixels have acne",
+            fraction(steps / f64::from(*bits).exp2()),
+            fraction(f64::from(SNAP_TEXELS))
+        ));
     }
     let errors = [&found.parallel, &found.perspective].into_iter().filter_map(|error| error.as_ref().ok());
     let worst = errors.map(|error| error.worst_of_bound).fold(0.0, f64::max);
@@ -158,5 +179,71 @@ fn of_comparison(name: &str, found: &ComparisonRules, warnings: &mut Vec<String>
              visibility: filters must stay explicit taps",
             tolerance::VISIBILITY
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shadow_gpu::probe::{EdgeRule, SampleRange, Unmeasured};
+
+    use super::*;
+
+    fn raster(bits: u32) -> RasterFindings {
+        RasterFindings {
+            subpixel_bits: Ok(bits),
+            rounding: Ok([GridRounding::Nearest(Ties::Even); 2]),
+            sample: Ok(SampleRange { x: [0.5; 2], y: [0.5; 2] }),
+            edges: Ok(EdgeRule {
+                left: true,
+                right: false,
+                top: true,
+                bottom: false,
+                left_diagonals: [true; 2],
+                right_diagonals: [false; 2],
+            }),
+        }
+    }
+
+    fn plane(plane: DepthPlane) -> PlaneRules {
+        let unknown = || Err(Unmeasured("nothing was drawn".into()));
+        PlaneRules { plane: Ok(plane), parallel: unknown(), perspective: unknown() }
+    }
+
+    fn told(bits: u32, depth_plane: DepthPlane) -> String {
+        let mut warnings = Vec::new();
+        of_raster(&raster(bits), &mut warnings);
+        of_plane(&plane(depth_plane), &raster(bits), &mut warnings);
+        warnings.join("\n")
+    }
+
+    #[test]
+    fn the_usual_rules_need_no_warning() {
+        assert_eq!(told(8, DepthPlane::Unsnapped), "");
+    }
+
+    /// A coarse grid by itself moves outlines; under the depth plane it also makes the automatic bias too small.
+    #[test]
+    fn a_coarse_grid_under_the_depth_plane_is_too_much_for_the_bias() {
+        let outlines = told(4, DepthPlane::Unsnapped);
+        assert!(outlines.contains("1/16 pixel") && !outlines.contains("too small"), "{outlines}");
+        let both = told(4, DepthPlane::Snapped);
+        assert!(both.contains("up to 1/32 pixel") && both.contains("1/512 texel"), "{both}");
+        assert!(!told(8, DepthPlane::Snapped).contains("too small"), "half a step of 8 bits is what the bias leaves room for");
+    }
+
+    /// What was not measured is no reason to warn.
+    #[test]
+    fn what_is_not_known_is_not_warned_of() {
+        let mut warnings = Vec::new();
+        let unknown = || Unmeasured("nothing was drawn".into());
+        let raster = RasterFindings {
+            subpixel_bits: Err(unknown()),
+            rounding: Err(unknown()),
+            sample: Err(unknown()),
+            edges: Err(unknown()),
+        };
+        of_raster(&raster, &mut warnings);
+        of_plane(&plane(DepthPlane::Unsnapped), &raster, &mut warnings);
+        assert!(warnings.is_empty(), "{warnings:?}");
     }
 }
