@@ -12,7 +12,7 @@ mod compare;
 mod formats;
 
 pub use self::{
-    bias::{BiasRules, FloatUnit, SlopeRule, UnitAt},
+    bias::{BiasRules, SlopeRule, UnitAt, UnitRule},
     compare::{ComparisonFilter, ComparisonRules, WeightSteps},
     formats::{DepthLimits, DepthRules, DepthStorage, RangeOverflow},
     plane::{DepthError, DepthPlane, PlaneRules},

@@ -7,8 +7,8 @@ use shadow_cpu::raster::DepthPlaneRule;
 use shadow_gpu::{
     DriverRules,
     probe::{
-        AdapterRules, ComparisonFilter, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding,
-        RangeOverflow, SlopeRule, Ties, probe,
+        AdapterRules, ComparisonFilter, DepthFormat, DepthPlane, DepthStorage, FormatRules, GridRounding, RangeOverflow,
+        SlopeRule, Ties, UnitRule, probe,
     },
 };
 use shadow_tests::renderers;
@@ -70,7 +70,7 @@ fn the_unit_of_a_float_bias_is_the_last_place_of_the_greatest_depth() {
         let last_place = f64::from((at.depth as f32).next_up()) - at.depth;
         assert_eq!(at.unit, last_place, "at {}", at.depth);
     }
-    assert_eq!(bias.depends_on, Ok(FloatUnit::Triangle));
+    assert_eq!(bias.depends_on, Ok(UnitRule::Triangle));
     assert_eq!(bias.slope, Ok(SlopeRule::Maximum));
     assert_eq!(bias.clamps, Ok(true));
 }
@@ -85,7 +85,7 @@ fn lavapipes_units_are_two_steps_of_whole_numbers() {
     for (wanted, bits) in [(DepthFormat::Depth16Unorm, 16), (DepthFormat::Depth24Plus, 24)] {
         let found = format(wanted);
         assert_eq!(found.depth.storage, Ok(DepthStorage::Unorm { bits }));
-        assert_eq!(found.bias.depends_on, Ok(FloatUnit::Fixed));
+        assert_eq!(found.bias.depends_on, Ok(UnitRule::Fixed));
         let step = 1.0 / (f64::from(bits).exp2() - 1.0);
         for at in found.bias.units.as_ref().expect("the units can be measured") {
             assert!((at.unit / step - 2.0).abs() < 1e-4, "{} steps at {}", at.unit / step, at.depth);

@@ -34,7 +34,7 @@ pub struct UnitAt {
 
 /// What the unit of a constant bias depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FloatUnit {
+pub enum UnitRule {
     /// Nothing: it is the same at all depths.
     Fixed,
     /// The exponent of the triangle's greatest depth.
@@ -60,7 +60,7 @@ pub struct BiasRules {
     /// The unit of the constant bias at some depths, the greatest first.
     pub units: Measured<Vec<UnitAt>>,
     /// What it depends on.
-    pub depends_on: Measured<FloatUnit>,
+    pub depends_on: Measured<UnitRule>,
     /// What the slope-scaled bias multiplies.
     pub slope: Measured<SlopeRule>,
     /// Whether the clamp bounds the bias.
@@ -132,10 +132,10 @@ fn is_near(measured: f64, expected: f64) -> bool {
 }
 
 /// What the unit depends on. Where it varies, a triangle that reaches over several binades says by which of its depths.
-async fn depends_on(rig: &Rig, format: DepthFormat, units: &[UnitAt]) -> Measured<FloatUnit> {
+async fn depends_on(rig: &Rig, format: DepthFormat, units: &[UnitAt]) -> Measured<UnitRule> {
     let (Some(greatest), Some(least)) = (units.first(), units.last()) else { return unmeasured("there is no unit") };
     if units.iter().all(|at| is_near(at.unit, greatest.unit)) {
-        return Ok(FloatUnit::Fixed);
+        return Ok(UnitRule::Fixed);
     }
     /// Pixels to the left of the middle at which the depth is read.
     const LEFT: u32 = 5;
@@ -150,9 +150,9 @@ async fn depends_on(rig: &Rig, format: DepthFormat, units: &[UnitAt]) -> Measure
     // The unit halves from binade to binade.
     let of_sample = greatest.unit * (LOW.log2().floor() - greatest.depth.log2().floor()).exp2();
     if is_near(unit, greatest.unit) {
-        Ok(FloatUnit::Triangle)
+        Ok(UnitRule::Triangle)
     } else if is_near(unit, of_sample) {
-        Ok(FloatUnit::Sample)
+        Ok(UnitRule::Sample)
     } else {
         unmeasured(format!(
             "the unit is {:e} at {} and {:e} at {}, and {unit:e} at {LOW} in a triangle that reaches to {0}",

@@ -2,8 +2,8 @@
 
 use shadow_cpu::{RasterRules, raster::DepthPlaneRule};
 use shadow_gpu::probe::{
-    AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, Measured,
-    PlaneRules, RangeOverflow, RasterFindings, SlopeRule, Ties,
+    AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FormatRules, GridRounding, Measured, PlaneRules,
+    RangeOverflow, RasterFindings, SlopeRule, Ties, UnitRule,
 };
 use shadow_math::plan::SNAP_TEXELS;
 use shadow_scene::compare::tolerance;
@@ -92,7 +92,7 @@ fn of_plane(found: &PlaneRules, raster: &RasterFindings, warnings: &mut Vec<Stri
     {
         warnings.push(format!(
             "depth planes go through corners that are moved by up to {} pixel first, and the automatic bias leaves {} texel to that: `--bias \
-             automatic` is too small here, and some pixels have acne",
+             automatic` is too small here, and may leave acne",
             fraction(steps / f64::from(*bits).exp2()),
             fraction(f64::from(SNAP_TEXELS))
         ));
@@ -138,11 +138,9 @@ fn unusual_unit(found: &FormatRules) -> Option<String> {
     let greatest = *found.bias.units.as_ref().ok()?.first()?;
     let storage = *found.depth.storage.as_ref().ok()?;
     let (usual, depends_on) = match storage {
-        DepthStorage::Unorm { bits } => (f64::from(bits).exp2().recip(), FloatUnit::Fixed),
+        DepthStorage::Unorm { bits } => (f64::from(bits).exp2().recip(), UnitRule::Fixed),
         // The last place of the triangle's greatest depth.
-        DepthStorage::Float => {
-            ((greatest.depth.log2().floor() - f64::from(f32::MANTISSA_DIGITS - 1)).exp2(), FloatUnit::Triangle)
-        }
+        DepthStorage::Float => ((greatest.depth.log2().floor() - f64::from(f32::MANTISSA_DIGITS - 1)).exp2(), UnitRule::Triangle),
     };
     if (greatest.unit / usual - 1.0).abs() > UNIT_TOLERANCE {
         return Some(format!(
@@ -154,8 +152,8 @@ fn unusual_unit(found: &FormatRules) -> Option<String> {
     }
     let wrong = *found.bias.depends_on.as_ref().ok()? != depends_on;
     wrong.then(|| match depends_on {
-        FloatUnit::Fixed => "the unit of a constant bias is not the same at all depths".into(),
-        FloatUnit::Triangle | FloatUnit::Sample => {
+        UnitRule::Fixed => "the unit of a constant bias is not the same at all depths".into(),
+        UnitRule::Triangle | UnitRule::Sample => {
             "the unit of a constant bias does not go by the triangle's greatest depth".into()
         }
     })

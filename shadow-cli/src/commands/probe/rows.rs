@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 use shadow_gpu::probe::{
-    BiasRules, DepthError, DepthLimits, DepthPlane, DepthStorage, FloatUnit, FormatRules, GridRounding, Measured, PlaneRules,
-    RangeOverflow, RasterFindings, SlopeRule, Ties, UnitAt,
+    BiasRules, DepthError, DepthLimits, DepthPlane, DepthStorage, FormatRules, GridRounding, Measured, PlaneRules, RangeOverflow,
+    RasterFindings, SlopeRule, Ties, UnitAt, UnitRule,
 };
 
 /// What stands in place of a value that could not be measured; the reason is told below the tables.
@@ -171,9 +171,9 @@ fn units_text(units: &[UnitAt]) -> String {
 
 fn bias_rows(found: &BiasRules) -> Vec<Row> {
     let depends_on = |unit| match unit {
-        FloatUnit::Fixed => "nothing",
-        FloatUnit::Triangle => "the triangle's greatest depth",
-        FloatUnit::Sample => "each sample's depth",
+        UnitRule::Fixed => "nothing",
+        UnitRule::Triangle => "the triangle's greatest depth",
+        UnitRule::Sample => "each sample's depth",
     };
     let slope = |rule| match rule {
         SlopeRule::Maximum => "max(|dz/dx|, |dz/dy|)",
