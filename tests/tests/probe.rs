@@ -106,7 +106,7 @@ fn depths_are_off_by_less_than_the_automatic_bias_allows() {
 
 #[test]
 fn an_adapter_that_does_not_exist_is_not_probed() {
-    let error = pollster::block_on(probe(Some("no such adapter"))).err().expect("there is none");
+    let error = pollster::block_on(probe(Some("no such adapter"))).expect_err("there is none");
     let sentence = error.to_string();
     assert!(sentence.contains("no such adapter") && sentence.contains(&rules().adapter.name), "{sentence}");
 }
