@@ -101,8 +101,10 @@ fn depth_at(corners: [Corner; 3], [x, y]: [f64; 2]) -> f64 {
     a[2] + dx * (x - a[0]) + dy * (y - a[1])
 }
 
-/// Random triangles, one in each cell; in perspective or not.
-fn triangles(seed: u64, is_perspective: bool, is_clear: impl Fn(&Corner) -> bool) -> Vec<Triangle> {
+/// Random triangles, one in each cell; in perspective or not. None if the grid leaves no room for such corners.
+fn triangles(seed: u64, is_perspective: bool, is_clear: impl Fn(&Corner) -> bool) -> Option<Vec<Triangle>> {
+    /// How often a cell is tried: one triangle in eight will do on a usual grid.
+    const TRIES: u32 = 512;
     /// Steps of a pixel that corners lie on, so that those with w = 1 are exact in clip coordinates.
     const STEPS: f64 = 4096.0;
     let mut random = Random(seed);
@@ -112,25 +114,19 @@ fn triangles(seed: u64, is_perspective: bool, is_clear: impl Fn(&Corner) -> bool
         [place(x), place(y), random.between(DEPTHS[0], DEPTHS[1])]
     };
     let mut weights = Random(!seed);
-    let mut all = Vec::with_capacity(CELLS as usize);
-    for cell in 0..CELLS {
-        // Most triangles that are tried will do; the area of the cell leaves room for it.
-        loop {
-            let mut triangle = Triangle::in_window(SHEET, [corner(cell), corner(cell), corner(cell)]);
-            if is_perspective {
-                for clip in &mut triangle.clip {
-                    let w = weights.between(PERSPECTIVE[0], PERSPECTIVE[1]) as f32;
-                    *clip = [clip[0] * w, clip[1] * w, clip[2] * w, w];
-                }
-            }
-            let window = triangle.window(SHEET);
-            if doubled_area(window).abs() >= 2.0 * SMALLEST_AREA && window.iter().all(&is_clear) {
-                all.push(triangle);
-                break;
+    let mut candidate = |cell: u32| {
+        let mut triangle = Triangle::in_window(SHEET, [corner(cell), corner(cell), corner(cell)]);
+        if is_perspective {
+            for clip in &mut triangle.clip {
+                let w = weights.between(PERSPECTIVE[0], PERSPECTIVE[1]) as f32;
+                *clip = [clip[0] * w, clip[1] * w, clip[2] * w, w];
             }
         }
-    }
-    all
+        let window = triangle.window(SHEET);
+        let will_do = doubled_area(window).abs() >= 2.0 * SMALLEST_AREA && window.iter().all(&is_clear);
+        will_do.then_some(triangle)
+    };
+    (0..CELLS).map(|cell| (0..TRIES).find_map(|_| candidate(cell))).collect()
 }
 
 /// The errors of all covered samples against exact planes.
@@ -188,7 +184,12 @@ pub(super) async fn measure(rig: &Rig, raster: &RasterFindings) -> PlaneRules {
     };
     let mut summaries = Vec::new();
     for is_perspective in [false, true] {
-        let drawn = triangles(u64::from(is_perspective) + 1, is_perspective, is_clear);
+        let Some(drawn) = triangles(u64::from(is_perspective) + 1, is_perspective, is_clear) else {
+            let reason =
+                || unmeasured(format!("corners cannot be kept clear of the borders between the lines of a grid of {bits} bits"));
+            summaries.push([reason(), reason()]);
+            continue;
+        };
         summaries.push(match rig.draw(&Drawing::new(&drawn)).await {
             Ok(sheet) => [summary(errors(&sheet, &drawn, |corner| corner)), summary(errors(&sheet, &drawn, snap))],
             Err(reason) => [Err(reason.clone()), Err(reason)],
@@ -235,10 +236,16 @@ mod tests {
         }
     }
 
+    /// A grid that leaves no room ends the search.
+    #[test]
+    fn corners_that_are_never_clear_are_given_up() {
+        assert_eq!(triangles(1, false, |_| false), None);
+    }
+
     /// A rounding error that a sheet has is found in the units that it was made in.
     #[test]
     fn errors_are_counted_in_units_in_the_last_place() {
-        let drawn = triangles(1, false, |_| true);
+        let drawn = triangles(1, false, |_| true).expect("there is room");
         let depths = (0..SHEET * SHEET).map(|pixel| {
             let [x, y] = [pixel % SHEET, pixel / SHEET];
             let cell = y / CELL * (SHEET / CELL) + x / CELL;
