@@ -26,6 +26,21 @@ pub(crate) enum CliError {
         /// What went wrong.
         problem: String,
     },
+    /// A colour without shadows that it could be the colour of.
+    #[error(
+        "--shadow-color has no meaning with additive composition, which leaves shadows to ambient light; use --composition modulative, or leave it out"
+    )]
+    ShadowColor,
+    /// Settings of single lights, where techniques are compared.
+    #[error(
+        "--light-settings has no meaning here, where whole techniques are tried on all lights; leave it out, or use it with render, compare, bench or plan"
+    )]
+    LightSettings,
+    /// Rules that are stated for z / w, on maps of something else.
+    #[error(
+        "--store {0} has no meaning with tune: what engines do is tried on maps of depth32, for which their rules are stated; leave it out (shadow measure judges every store)"
+    )]
+    TuneStore(&'static str),
     /// Nothing to compare another tracer with.
     #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
     RivalWithoutTracer,
@@ -193,6 +208,12 @@ pub(crate) enum CliError {
     /// A certificate's name does not end in a format that it can have.
     #[error("cannot write `{}`: a certificate is a page, whose name ends in .html, or numbers, in .json; choose one of these", path.display())]
     CertificateFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The name of a report for programs does not end in its format.
+    #[error("cannot write `{}`: the report is JSON; choose a name that ends in .json", path.display())]
+    ReportFormat {
         /// The file.
         path: PathBuf,
     },

@@ -1,18 +1,20 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_cpu::trace::Sampling;
-use shadow_math::{Camera, LightKind, ShadowSettings};
+use shadow_math::{Camera, Composition, LightKind, ShadowSettings, settings::OGRE_SHADOW_COLOR};
 use shadow_scene::{
-    FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
+    FramePlan, ImportError, ImportOptions, LayerName, LightPasses, Request, Scene, SceneLight, builder::SUN_LUX, builtin,
+    import_with,
 };
 
 use crate::{
-    args::{BiasArgs, FilterName, PictureArgs, SceneArgs, ShadowArgs},
+    args::{BiasArgs, FilterName, LightSettings, PictureArgs, SceneArgs, ShadowArgs},
     bias::Meaningless,
     console::Console,
     error::CliError,
     memory::Limit,
-    specs::{CameraChoice, SceneSource, Selector, Show},
+    settings_file,
+    specs::{ByteSize, CameraChoice, SceneSource, Selector, Show},
 };
 
 /// The faces of a cube, in the order of its views.
@@ -47,10 +49,14 @@ impl Job {
     pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args, bias)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
-        let scene = with_chosen_lights(scene, args)?;
+        let scene = with_casters(with_chosen_lights(scene, args)?, &args.shadows)?;
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
-        let plan = FramePlan::new(&scene, &camera, &settings, args.size.width, args.size.height, args.exposure)?;
+        let of_lights = settings_of_lights(&scene, &settings, &args.shadows)?;
+        let size = (args.size.width, args.size.height);
+        let plan =
+            FramePlan::with_settings_of(&scene, &camera, settings.map_size, |light, _| of_lights[light], size, args.exposure)?;
+        let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
         tell_notes(&notes, console);
         Ok(Self { scene_name, scene, notes, camera_name, camera, settings, plan, light_samples: None, limit })
@@ -122,8 +128,56 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         bias: bias.bias.to_string(),
         use_with,
     })?;
-    let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator } = args.shadows;
+    let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator, .. } = args.shadows;
     Ok(ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() })
+}
+
+/// The scene with the lights and objects that cast shadows as they are wanted.
+fn with_casters(scene: Scene, args: &ShadowArgs) -> Result<Scene, CliError> {
+    let mut lights = scene.lights().to_vec();
+    let names: Vec<String> = lights.iter().map(|light| light.name.clone()).collect();
+    for selector in &args.no_shadow {
+        for index in selector.find_all("light", &names)? {
+            lights[index].casts_shadows = false;
+        }
+    }
+    let objects: Vec<String> = scene.instances().iter().map(|instance| instance.name.clone()).collect();
+    let mut left_out = Vec::new();
+    for selector in &args.no_cast {
+        left_out.extend(selector.find_all("object", &objects)?);
+    }
+    let scene = if args.no_shadow.is_empty() { scene } else { scene.with_lights(lights) };
+    Ok(if left_out.is_empty() { scene } else { scene.with_casters(|index, _| !left_out.contains(&index)) })
+}
+
+/// How each light is shadowed.
+fn settings_of_lights(scene: &Scene, settings: &ShadowSettings, args: &ShadowArgs) -> Result<Vec<ShadowSettings>, CliError> {
+    let names: Vec<String> = scene.lights().iter().map(|light| light.name.clone()).collect();
+    let mut of_lights = vec![*settings; names.len()];
+    for LightSettings { light, path } in &args.light_settings {
+        let own = settings_file::read(path)?.settings;
+        for index in light.find_all("light", &names)? {
+            of_lights[index] = own;
+        }
+    }
+    Ok(of_lights)
+}
+
+/// The plan with its composition, within the budget.
+fn composed(plan: FramePlan, args: &ShadowArgs) -> Result<FramePlan, CliError> {
+    let composition = match (args.composition.as_str(), args.shadow_color) {
+        ("modulative", color) => Composition::Modulative(color.unwrap_or(OGRE_SHADOW_COLOR)),
+        (_, None) => Composition::Additive,
+        (_, Some(_)) => return Err(CliError::ShadowColor),
+    };
+    let mut plan = plan.with_composition(composition)?;
+    if args.light_passes == "each" {
+        plan.light_passes = LightPasses::Each;
+    }
+    if let Some(ByteSize(bytes)) = args.shadow_budget {
+        plan.check_budget(bytes)?;
+    }
+    Ok(plan)
 }
 
 /// Tells the notes about a scene.

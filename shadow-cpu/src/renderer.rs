@@ -7,7 +7,9 @@ use std::{
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use shadow_math::{depth::LAYER_FIRST, plan::COMPOSE_ADDITIVE};
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, NO_TRIANGLE, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+use shadow_scene::{
+    Frame, FramePlan, Layer, LayerName, LightPasses, NO_TRIANGLE, Pass, Pixels, Request, Scene, StageTimes, Surfaces,
+};
 
 use crate::{
     buffer::{Buffer, Pool},
@@ -306,7 +308,13 @@ impl CpuRenderer {
         let maps = if needs_maps { self.shadow_maps(prepared, plan) } else { ShadowMaps::default() };
         let maps_done = Instant::now();
         let (visibility, color) = if needs_shading {
-            self.shade(prepared, plan, &camera, &maps, request)
+            let is_by_passes = request.color && plan.light_passes == LightPasses::Each;
+            // Passes read visibilities, whether these are wanted or not.
+            let needed =
+                Request { visibility: request.visibility || is_by_passes, color: request.color && !is_by_passes, ..request };
+            let (visibility, color) = self.shade(prepared, plan, &camera, &maps, needed);
+            let color = if is_by_passes { self.color_by_passes(prepared, plan, &camera, &visibility) } else { color };
+            (visibility, color)
         } else {
             (Buffer::default(), Buffer::default())
         };

@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 use shadow_math::{
     material::FLAG_MASK,
-    plan::{COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, PixelRays},
+    plan::{COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, PixelRays, TERMINATOR_SOFT},
     shade::BACKGROUND,
     triangle::pixel_ray,
     visibility::MapAccess,
@@ -175,6 +175,7 @@ impl Kernel for RowKernel<'_> {
         let mut surfaces = SurfaceSpan::EMPTY;
         let mut radiance = Vectors::ZERO;
         let mut factor = Vectors([[1.0; SPAN]; 3]);
+        let is_any_soft = plan.lights.iter().any(|light| light.terminator == TERMINATOR_SOFT);
         let composition = plan.camera.composition;
         let first = plan.camera.first_light as usize;
         let drawn = first..first + plan.camera.light_count as usize;
@@ -196,6 +197,9 @@ impl Kernel for RowKernel<'_> {
             hits.intersect(&corners, &plan.camera.rays, x, y);
             if wants_color {
                 surfaces.sample(view, &plan.camera, (x, y), &corners, &hits, seen.len());
+                if is_any_soft {
+                    surfaces.deviate(&corners, &hits);
+                }
                 surfaces.ambient(&plan.camera, &hits, &mut radiance);
                 factor = Vectors([[1.0; SPAN]; 3]);
             }

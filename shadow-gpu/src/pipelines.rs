@@ -55,7 +55,7 @@ pub(crate) struct Pipelines {
 
 const GRAPHICS: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT;
 const FRAGMENT: wgpu::ShaderStages = wgpu::ShaderStages::FRAGMENT;
-const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
+pub(crate) const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
 
 const UNIFORM: wgpu::BindingType =
     wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
@@ -64,7 +64,7 @@ const UNIFORM: wgpu::BindingType =
 const SLICE: wgpu::BindingType =
     wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: true, min_binding_size: None };
 
-const fn storage(read_only: bool) -> wgpu::BindingType {
+pub(crate) const fn storage(read_only: bool) -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only },
         has_dynamic_offset: false,
@@ -72,18 +72,22 @@ const fn storage(read_only: bool) -> wgpu::BindingType {
     }
 }
 
-const fn texture(sample_type: wgpu::TextureSampleType, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+pub(crate) const fn texture(
+    sample_type: wgpu::TextureSampleType,
+    view_dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 /// Depths are bound as numbers that cannot be filtered: the same binding takes a depth texture and an upload.
 const DEPTHS: wgpu::BindingType =
     texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2Array);
-const FLOATS: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+pub(crate) const FLOATS: wgpu::BindingType =
+    texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 const IDS: wgpu::BindingType = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
 
 /// A layout whose bindings are numbered from 0.
-fn layout(
+pub(crate) fn layout(
     device: &wgpu::Device,
     label: &str,
     visibility: wgpu::ShaderStages,
@@ -112,12 +116,12 @@ impl Layouts {
     }
 }
 
-fn module(device: &wgpu::Device, label: &str, files: &[ShaderFile]) -> wgpu::ShaderModule {
+pub(crate) fn module(device: &wgpu::Device, label: &str, files: &[ShaderFile]) -> wgpu::ShaderModule {
     let source = wgpu::ShaderSource::Wgsl(shaders::join(files).into());
     device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
 }
 
-fn pipeline_layout(device: &wgpu::Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+pub(crate) fn pipeline_layout(device: &wgpu::Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
     let groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
     device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
@@ -250,7 +254,7 @@ impl VisibilityPipelines {
     }
 }
 
-fn compute_pipeline(
+pub(crate) fn compute_pipeline(
     device: &wgpu::Device,
     entry_point: &str,
     files: &[ShaderFile],

@@ -362,7 +362,7 @@ pub enum Terminator {
     /// Light ends where the facet turns away, all at once.
     #[default]
     Hard,
-    /// Light fades out towards there, by [`softened_terminator`](crate::shade::softened_terminator): little is left of the zigzag, but facets that lean away from the light begin to show.
+    /// Light fades out before any facet can turn away, by [`softened_terminator`](crate::shade::softened_terminator): nothing is left of the zigzag, and the terminator moves toward the light, on coarse meshes by more.
     Soft,
 }
 

@@ -26,10 +26,22 @@ pub struct FramePlan {
     pub views: Vec<ViewPlan>,
     /// Width and height of every map in texels.
     pub map_size: u32,
+    /// Into how many passes the picture is taken apart.
+    pub light_passes: LightPasses,
     /// The exposure value (EV at ISO 100) that was chosen or given.
     pub ev: f32,
     /// What a person should know about the plan: rules that took effect at the cost of something.
     pub notes: Vec<String>,
+}
+
+/// Into how many passes a picture is taken apart. The picture is the same but for rounding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightPasses {
+    /// All lights in one pass.
+    #[default]
+    One,
+    /// A pass for each light, added to or multiplied with those before: see [`FramePlan::passes`].
+    Each,
 }
 
 /// Why the plan of a frame cannot be made.
@@ -141,7 +153,7 @@ impl FramePlan {
             lights.push(plan);
         }
         let notes = near_rule_note(scene, &lights, &views).into_iter().collect();
-        Ok(Self { camera, lights, views, map_size, ev: exposure.ev(), notes })
+        Ok(Self { camera, lights, views, map_size, light_passes: LightPasses::default(), ev: exposure.ev(), notes })
     }
 
     /// The same plan with another composition of lights and shadows.

@@ -10,8 +10,8 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 use shadow_gpu::shaders::{
-    ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS,
-    VISIBILITY_MODULE, join,
+    ALL, CAMERA_MODULE, COLOR_MODULE, PROBE_COMPARE_MODULE, PROBE_DRAW_MODULE, PROBE_READ_MODULE, READBACK_ID_MODULE,
+    READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS, VISIBILITY_MODULE, join,
 };
 use shadow_math::{
     bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS, OFFSET_SLOPE},
@@ -32,7 +32,7 @@ use shadow_math::{
         FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE,
         SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
     },
-    shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
+    shade::{INVERSE_PI, MAX_DEVIATION, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
     visibility::NO_VIEW,
 };
@@ -46,6 +46,9 @@ const MODULES: &[(&str, &[ShaderFile])] = &[
     ("color", COLOR_MODULE),
     ("readback", READBACK_MODULE),
     ("readback id", READBACK_ID_MODULE),
+    ("probe, drawing", PROBE_DRAW_MODULE),
+    ("probe, reading", PROBE_READ_MODULE),
+    ("probe, comparing", PROBE_COMPARE_MODULE),
 ];
 
 /// Files that no module of the renderer needs, and why they are there.
@@ -283,6 +286,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         LAYER_MIDPOINT,
         LAYER_SECOND,
         MAX_CASTER_SLOPE,
+        MAX_DEVIATION,
         TERMINATOR_HARD,
         TERMINATOR_SOFT,
         FILTER_HARD,

@@ -51,14 +51,14 @@ fn mean_step(frame: &Frame) -> (f32, f32) {
 }
 
 #[test]
-fn a_soft_terminator_leaves_a_quarter_of_the_step() {
+fn a_soft_terminator_leaves_no_step() {
     let [hard, soft] = [Terminator::Hard, Terminator::Soft].map(frames);
     for (hard, soft) in hard.iter().zip(&soft) {
         let ((hard_step, hard_most), (soft_step, soft_most)) = (mean_step(hard), mean_step(soft));
         // A facet of a sphere of 24 segments leans away by up to 7.5 degrees, whose sine is the most light that is cut off.
         assert!(hard_step > 0.02 * hard_most, "{hard_step} of {hard_most}");
-        // Where a facet that leans to the light meets one that turns away, at a few corners, nothing is there to fade.
-        assert!(soft_step < 0.25 * hard_step, "{soft_step} in place of {hard_step}");
+        // Neighbours of a facet that turns away may deviate less than it, and have a little light left.
+        assert!(soft_step < 0.02 * hard_step, "{soft_step} in place of {hard_step}");
         // What faces the light stays as bright.
         assert!((hard_most - soft_most).abs() < 1e-3 * hard_most, "{hard_most} {soft_most}");
         assert_eq!(hard.floats(LayerName::Visibility { light: 0 }), soft.floats(LayerName::Visibility { light: 0 }));

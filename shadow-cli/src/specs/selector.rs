@@ -17,6 +17,15 @@ impl Selector {
         text.parse().map_or_else(|_| Self::Name(text.into()), Self::Index)
     }
 
+    /// The indices of all things that are meant among those of these names: of a name all that have it.
+    pub(crate) fn find_all(&self, kind: &'static str, names: &[String]) -> Result<Vec<usize>, CliError> {
+        let first = self.find(kind, names)?;
+        Ok(match self {
+            Self::Index(_) => vec![first],
+            Self::Name(wanted) => (0..names.len()).filter(|&index| names[index] == *wanted).collect(),
+        })
+    }
+
     /// The index of the thing among those of these names. A name that several have is the first's.
     pub(crate) fn find(&self, kind: &'static str, names: &[String]) -> Result<usize, CliError> {
         let (found, asked) = match self {
@@ -24,6 +33,12 @@ impl Selector {
             Self::Name(wanted) => (names.iter().position(|name| name == wanted), format!("`{wanted}`")),
         };
         found.ok_or_else(|| CliError::NoSuch { kind, asked, names: names.to_vec() })
+    }
+}
+
+impl From<&str> for Selector {
+    fn from(text: &str) -> Self {
+        Self::new(text)
     }
 }
 

@@ -18,7 +18,7 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     let surface = Surface(
         hit.point,
         turned_to_viewer(normal, hit.normal, ray),
-        turned_to_viewer(hit.normal, hit.normal, ray),
+        facet_deviation(hit.normal, n0, n1, n2),
         normalized(-ray.direction),
         base.xyz,
         fetch_material(corners.w).shininess,
