@@ -229,6 +229,11 @@ pub(crate) struct PictureArgs {
     /// sun), the radius=METRES of a spot or point light, or width=METRES and
     /// height=METRES of a spot light that is a rectangle across its axis.
     ///
+    /// A spot light of at most 70 degrees can project a picture,
+    /// picture=FILE: a PNG or JPEG file that fills the square around its
+    /// outer cone and multiplies its color. One that darkens outwards is its
+    /// falloff.
+    ///
     /// dir is the way the light travels, pos its place in metres of the
     /// file's world space. A spot light's angles are measured from its axis:
     /// full brightness up to inner (0 if left out), none beyond outer (at

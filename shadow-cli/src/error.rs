@@ -53,6 +53,14 @@ pub(crate) enum CliError {
     /// A view of shadow maps, where rays are sent.
     #[error("`{0}` is made of shadow maps, which --backend trace has none of; use --backend cpu or gpu")]
     DebugViewOfTrace(String),
+    /// The picture that a light is to project cannot be read.
+    #[error("cannot read the picture {}, which a light is to project (PNG, JPEG and EXR are known)", path.display())]
+    ReadPicture {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: image::ImageError,
+    },
     /// Nothing to compare another tracer with.
     #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
     RivalWithoutTracer,

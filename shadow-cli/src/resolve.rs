@@ -1,9 +1,11 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
+use std::path::Path;
+
 use shadow_cpu::trace::Sampling;
 use shadow_math::{Camera, Composition, LightKind, ShadowSettings, settings::OGRE_SHADOW_COLOR};
 use shadow_scene::{
-    FramePlan, ImportError, ImportOptions, LayerName, LightPasses, Request, Scene, SceneLight, builder::SUN_LUX, builtin,
+    FramePlan, Image, ImportError, ImportOptions, LayerName, LightPasses, Request, Scene, SceneLight, builder::SUN_LUX, builtin,
     import_with,
 };
 
@@ -219,7 +221,7 @@ pub(crate) fn load(args: &SceneArgs, console: &Console) -> Result<(String, Scene
 }
 
 /// The scene under the lights of the command line, if there are any.
-fn with_chosen_lights(scene: Scene, args: &PictureArgs) -> Result<Scene, CliError> {
+fn with_chosen_lights(mut scene: Scene, args: &PictureArgs) -> Result<Scene, CliError> {
     if args.lights.is_empty() {
         return Ok(scene);
     }
@@ -230,9 +232,22 @@ fn with_chosen_lights(scene: Scene, args: &PictureArgs) -> Result<Scene, CliErro
             .validate()
             .and_then(|()| shape.validate(&light.kind))
             .map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
-        lights.push(SceneLight { shape, ..SceneLight::new(spec.name(), light) });
+        let mut picture = None;
+        if let Some(path) = &spec.picture {
+            let index;
+            (scene, index) = scene.with_image(read_picture(path)?);
+            picture = Some(index);
+        }
+        lights.push(SceneLight { shape, picture, ..SceneLight::new(spec.name(), light) });
     }
     Ok(scene.with_lights(lights))
+}
+
+/// Reads a picture for a light to project.
+fn read_picture(path: &Path) -> Result<Image, CliError> {
+    let picture = image::open(path).map_err(|source| CliError::ReadPicture { path: path.into(), source })?.to_rgba8();
+    let (width, height) = picture.dimensions();
+    Ok(Image { width, height, texels: picture.pixels().map(|pixel| pixel.0).collect() })
 }
 
 /// The chosen camera and its name; the scene's first if none is chosen.

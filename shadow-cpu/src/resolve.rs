@@ -224,10 +224,10 @@ impl Kernel for RowKernel<'_> {
                 }
                 if wants_color && drawn.contains(&l) {
                     if composition == COMPOSE_ADDITIVE {
-                        surfaces.add_light(light, &hits, &numbers, &mut radiance);
+                        surfaces.add_light(&view.surfaces.words, light, &hits, &numbers, &mut radiance);
                     } else {
                         let sums = (&mut radiance, &mut factor);
-                        surfaces.add_unshadowed(&plan.camera, light, &hits, &numbers, sums);
+                        surfaces.add_unshadowed(&view.surfaces.words, &plan.camera, light, &hits, &numbers, sums);
                     }
                 }
             }

@@ -37,6 +37,7 @@ shader_files! {
     APPROX = "approx",
     SRGB = "srgb",
     MATERIAL = "material",
+    PICTURE = "picture",
     SHADE = "shade",
     GEOMETRY = "geometry",
     SURFACES = "surfaces",
@@ -62,7 +63,7 @@ pub const VISIBILITY_MODULE: &[ShaderFile] =
     &[PLAN, VECTOR, LIGHT, TRIANGLE, DEPTH, GRADIENT, BIAS, FILTER, VISIBILITY, GEOMETRY, FULL_SCREEN, RESOLVE_VISIBILITY];
 /// The files of the colour pass.
 pub const COLOR_MODULE: &[ShaderFile] =
-    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, SHADE, GEOMETRY, SURFACES, FULL_SCREEN, RESOLVE_COLOR];
+    &[PLAN, VECTOR, LIGHT, TRIANGLE, APPROX, MATERIAL, PICTURE, SHADE, GEOMETRY, SURFACES, FULL_SCREEN, RESOLVE_COLOR];
 /// The files that read depths back.
 pub const READBACK_MODULE: &[ShaderFile] = &[READBACK];
 /// The files that read triangle indices back.

@@ -98,6 +98,7 @@ pub mod visibility;
 pub mod approx;
 pub mod srgb;
 pub mod material;
+pub mod picture;
 pub mod shade;
 pub mod exposure;
 

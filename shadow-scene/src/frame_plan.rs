@@ -6,6 +6,7 @@ use shadow_math::{
     depth::LAYER_FIRST,
     exposure::Exposure,
     fit::MIN_NEAR_SHARE,
+    picture::plan_picture,
     plan::{
         BIAS_BACK_FACES, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, COMPOSE_UNSHADOWED, CameraPlan, LightPlan,
         ViewPlan, plan_camera, plan_light, plan_unshadowed_light, view_count,
@@ -13,7 +14,10 @@ use shadow_math::{
     settings::{Composition, MIN_MAP_SIZE},
 };
 
-use crate::scene::{Scene, SceneLight};
+use crate::{
+    scene::{Scene, SceneLight},
+    surfaces::first_word_of,
+};
 
 /// What both renderers follow: neither derives a matrix of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,14 +146,24 @@ impl FramePlan {
             let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
             let first = views.len();
             let settings = &ShadowSettings { map_size, ..settings(index, light) };
+            let picture = |plan: &mut LightPlan| {
+                let Some((index, image)) = light.picture.and_then(|index| Some((index, scene.images().get(index as usize)?)))
+                else {
+                    return Ok(());
+                };
+                plan_picture(plan, &light.light, first_word_of(scene, index), image.width, image.height)
+            };
             if !(light.casts_shadows && is_any_cast) {
-                lights.push(plan_unshadowed_light(&light.light, settings, first as u32).map_err(failed)?);
+                let mut plan = plan_unshadowed_light(&light.light, settings, first as u32).map_err(failed)?;
+                picture(&mut plan).map_err(failed)?;
+                lights.push(plan);
                 continue;
             }
             let count = view_count(&light.light, settings).map_err(failed)?;
             views.resize(first + count, ViewPlan::default());
-            let plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
+            let mut plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
                 .map_err(failed)?;
+            picture(&mut plan).map_err(failed)?;
             lights.push(plan);
         }
         let notes = near_rule_note(scene, &lights, &views).into_iter().collect();

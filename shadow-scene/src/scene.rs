@@ -246,13 +246,15 @@ pub struct SceneLight {
     pub shape: LightShape,
     /// Whether anything is shadowed from it. Where nothing is, all surfaces that face it are lit, and it needs no maps.
     pub casts_shadows: bool,
+    /// The index of the image that a spot light projects.
+    pub picture: Option<u32>,
 }
 
 impl SceneLight {
     /// A light without a size, which casts shadows.
     #[must_use]
     pub fn new(name: impl Into<String>, light: Light) -> Self {
-        Self { name: name.into(), light, shape: LightShape::Point, casts_shadows: true }
+        Self { name: name.into(), light, shape: LightShape::Point, casts_shadows: true, picture: None }
     }
 }
 
@@ -443,6 +445,20 @@ impl Scene {
         self.triangle_materials = order.iter().map(|&triangle| self.triangle_materials[triangle as usize]).collect();
         self.triangle_instances = order.iter().map(|&triangle| self.triangle_instances[triangle as usize]).collect();
         self
+    }
+
+    /// The same scene with one more image, and the image's index.
+    ///
+    /// # Panics
+    ///
+    /// If the image does not have as many texels as its size says, or none.
+    #[must_use]
+    pub fn with_image(mut self, image: Image) -> (Self, u32) {
+        let texels = image.width as usize * image.height as usize;
+        assert!(texels > 0 && texels == image.texels.len(), "an image has as many texels as its size says");
+        self.images.push(image);
+        let index = self.images.len() as u32 - 1;
+        (self, index)
     }
 
     /// The same scene under other lights.

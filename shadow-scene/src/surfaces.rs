@@ -21,6 +21,17 @@ pub struct Surfaces {
     pub words: Vec<u32>,
 }
 
+/// Where the texels of an image begin among the words of [`Surfaces`].
+///
+/// # Panics
+///
+/// If the scene has no such image.
+#[must_use]
+pub fn first_word_of(scene: &Scene, image: u32) -> u32 {
+    let before: usize = scene.images()[..image as usize].iter().map(|image| image.texels.len()).sum();
+    DECODE_TABLE_LEN + before as u32
+}
+
 impl Surfaces {
     /// The surfaces of a scene.
     #[must_use]

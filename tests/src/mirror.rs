@@ -54,6 +54,7 @@ pub const MIRRORS: &[ShaderFile] = &[
     shaders::APPROX,
     shaders::SRGB,
     shaders::MATERIAL,
+    shaders::PICTURE,
     shaders::SHADE,
 ];
 

@@ -13,6 +13,7 @@ mod limits;
 mod malformed;
 mod matrix;
 mod mirrors;
+mod pictures;
 mod planar_bias;
 mod poses;
 mod probe;

@@ -24,9 +24,10 @@ use shadow_math::{
     },
     fit::cube_face_of,
     material::{
-        DECODE_TABLE_LEN, FLAG_MASK, MaterialData, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, base_color, decode_texel,
-        sample_texture, wrap_texel,
+        DECODE_TABLE_LEN, FLAG_MASK, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, base_color,
+        decode_texel, sample_texture, wrap_texel,
     },
+    picture::{picture_color, plan_picture},
     plan::{
         BIAS_AUTOMATIC, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan,
         MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
@@ -960,6 +961,31 @@ const TABLE: &[Mirror] = &[
         reason: "those of the texture, and two products",
     },
     Mirror {
+        file: "picture",
+        functions: &["picture_color"],
+        statements: "output3(0u, picture_color(u32(input(0u)), input3(1u)));",
+        inputs_each: 4,
+        inputs: |world, random| random.groups::<4>(&[], |random| world.light_and_point(random)),
+        twin: |world, i| {
+            let (light, point) = (world.light(i[0]), v3(i, 1));
+            let value = picture_color(&world.globals.words, light, point);
+            // Beside an edge of the picture, and where a place is as rough as a texel, rounding decides.
+            let w = row_times_point(light.picture_w, point);
+            let terms = |row: [f32; 4]| magnitude_of_row(row, point) / w.abs();
+            let place = |row: [f32; 4]| row_times_point(row, point) / w;
+            let is_edge = light.picture_width > 0
+                && (w.abs() < 1e-3
+                    || [light.picture_x, light.picture_y].into_iter().any(|row| {
+                        let near = 1e-5 * (1.0 + terms(row));
+                        place(row).abs() < near || (place(row) - 1.0).abs() < near
+                    }));
+            let scale = 1.0 + (terms(light.picture_x) + terms(light.picture_y)) * light.picture_width.max(light.picture_height) as f32;
+            scaled(value, Vec3::splat(if is_edge || !scale.is_finite() { f32::INFINITY } else { scale }))
+        },
+        bound: 64,
+        reason: "a place that is rounded, in texels, and a bilinear sample",
+    },
+    Mirror {
         file: "shade",
         functions: &["attenuation"],
         statements: "output(0u, attenuation(u32(input(0u)), input3(1u)));",
@@ -1058,7 +1084,7 @@ macro_rules! files {
     };
 }
 
-files!(vector, light, triangle, depth, gradient, caster, bias, filter, visibility, approx, srgb, material, shade);
+files!(vector, light, triangle, depth, gradient, caster, bias, filter, visibility, approx, srgb, material, picture, shade);
 
 fn check_file(file: &str) {
     let mut problems = Vec::new();

@@ -1,6 +1,6 @@
 //! Lights as `--light` describes them.
 
-use std::str::FromStr;
+use std::{path::PathBuf, str::FromStr};
 
 use glam::{DVec3, Vec3};
 use shadow_math::{Light, LightKind, LightShape};
@@ -18,6 +18,8 @@ pub(crate) struct LightSpec {
     /// Lux for a directional light, candela for the others.
     intensity: f64,
     size: LightSizeSpec,
+    /// The file of the picture that a spot light projects.
+    pub(crate) picture: Option<PathBuf>,
 }
 
 /// How large a light was typed to be.
@@ -53,7 +55,7 @@ impl FromStr for LightSpec {
                 (pairs, kind, "lux")
             }
             "spot" => {
-                let keys = &["pos", "dir", "inner", "outer", "cd", "range", "radius", "width", "height", "color"];
+                let keys = &["pos", "dir", "inner", "outer", "cd", "range", "radius", "width", "height", "color", "picture"];
                 let pairs = Pairs::parse(rest, "a spot light", keys)?;
                 let kind = LightSpecKind::Spot {
                     position: pairs.vector("pos")?,
@@ -72,7 +74,15 @@ impl FromStr for LightSpec {
             other => return Err(SpecError::LightKind(other.into())),
         };
         let color = pairs.optional_vector("color")?.unwrap_or(DVec3::ONE);
-        Ok(Self { text: text.into(), kind, color, intensity: pairs.number(intensity)?, size: LightSizeSpec::of(&pairs)? })
+        let picture = pairs.optional_text("picture").map(PathBuf::from);
+        Ok(Self {
+            text: text.into(),
+            picture,
+            kind,
+            color,
+            intensity: pairs.number(intensity)?,
+            size: LightSizeSpec::of(&pairs)?,
+        })
     }
 }
 

@@ -41,6 +41,11 @@ impl<'a> Pairs<'a> {
         SpecError::MissingKey { what: self.what, key, accepted: self.accepted }
     }
 
+    /// The text of a key, if it is given.
+    pub(super) fn optional_text(&self, key: &'static str) -> Option<&'a str> {
+        self.get(key)
+    }
+
     /// The number of a key, if it is given.
     pub(super) fn optional_number(&self, key: &'static str) -> Result<Option<f64>, SpecError> {
         self.get(key).map(|value| number(key, value, value)).transpose()

@@ -3,6 +3,7 @@
 use shadow_math::{
     glam::{Vec2, Vec3},
     material::{NO_TEXTURE, texture_taps},
+    picture::picture_color,
     plan::{CameraPlan, LightPlan},
     shade::{Surface, shade_ambient, shade_light, shadow_factor},
     triangle::pixel_ray,
@@ -97,8 +98,16 @@ impl SurfaceSpan {
 
     /// Adds one light.
     #[inline(always)]
-    pub(crate) fn add_light(&self, light: &LightPlan, hits: &Hits, visibility: &Numbers, radiance: &mut Vectors) {
+    pub(crate) fn add_light(&self, words: &[u32], light: &LightPlan, hits: &Hits, visibility: &Numbers, radiance: &mut Vectors) {
         let light = *light;
+        if light.picture_width > 0 {
+            for i in 0..SPAN {
+                let picture = picture_color(words, &light, hits.point.get(i));
+                radiance.set(i, radiance.get(i) + shade_light(&light, &self.surface(hits, i), visibility[i]) * picture);
+            }
+            return;
+        }
+        // A light without a picture is multiplied by 1, which changes nothing.
         for i in 0..SPAN {
             radiance.set(i, radiance.get(i) + shade_light(&light, &self.surface(hits, i), visibility[i]));
         }
@@ -108,6 +117,7 @@ impl SurfaceSpan {
     #[inline(always)]
     pub(crate) fn add_unshadowed(
         &self,
+        words: &[u32],
         camera: &CameraPlan,
         light: &LightPlan,
         hits: &Hits,
@@ -118,7 +128,7 @@ impl SurfaceSpan {
         for i in 0..SPAN {
             factor.set(i, factor.get(i) * shadow_factor(color, visibility[i]));
         }
-        self.add_light(light, hits, &[1.0; SPAN], radiance);
+        self.add_light(words, light, hits, &[1.0; SPAN], radiance);
     }
 
     /// The materials' part: base colour and shininess.

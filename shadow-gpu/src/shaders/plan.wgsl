@@ -85,8 +85,15 @@ struct LightPlan {
     gradient_scale: f32,
     terminator: u32,
     texel_shift: f32,
+    picture_first_word: u32,
+    picture_width: u32,
+    picture_x: vec4f,
+    picture_y: vec4f,
+    picture_w: vec4f,
+    picture_height: u32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
     filter_table: array<vec4f, 8>,
 }
 

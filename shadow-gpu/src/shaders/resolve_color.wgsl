@@ -41,7 +41,7 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
             factor *= shadow_factor(camera.shadow_color, seen_share);
             seen_share = 1.0;
         }
-        radiance += shade_light(light, surface, seen_share);
+        radiance += shade_light(light, surface, seen_share) * picture_color(light, hit.point);
     }
     if camera.composition == COMPOSE_FACTOR {
         return vec4f(factor, 1.0);

@@ -180,10 +180,24 @@ pub struct LightPlan {
     pub terminator: u32,
     /// By how many texels lookups are moved on both axes: what mixed conventions do.
     pub texel_shift: f32,
+    /// Where the texels of the light's picture begin among the scene's words.
+    pub picture_first_word: u32,
+    /// Width of the picture in texels; 0 for no picture.
+    pub picture_width: u32,
+    /// The x row of the matrix from world space to the picture, whose coordinates run from 0 to 1.
+    pub picture_x: [f32; 4],
+    /// The y row.
+    pub picture_y: [f32; 4],
+    /// The w row.
+    pub picture_w: [f32; 4],
+    /// Height of the picture in texels.
+    pub picture_height: u32,
     /// Padding to a multiple of 16 bytes.
     pub padding_0: u32,
     /// Padding.
     pub padding_1: u32,
+    /// Padding.
+    pub padding_2: u32,
     /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
     pub filter_table: [[f32; 4]; 8],
 }

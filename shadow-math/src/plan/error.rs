@@ -32,6 +32,8 @@ pub enum PlanError {
     ReceiverGradient(f32),
     /// The slope bias is for taps that are compared with the receiver's own depth, and a receiver plane corrects them.
     SlopeWithReceiverPlane,
+    /// A picture for a light that is no spot light, or too wide a one.
+    PictureOfOtherLight,
     /// A number of a polygon offset is negative or not finite.
     PolygonOffset(f32),
     /// A polygon offset and the article's caster shader both draw casters deeper.
@@ -117,6 +119,9 @@ impl core::fmt::Display for PlanError {
             }
             Self::SlopeWithReceiverPlane => f.write_str(
                 "the slope bias and the receiver plane are two remedies for the same slope; leave one of them out",
+            ),
+            Self::PictureOfOtherLight => f.write_str(
+                "only a spot light whose outer angle is at most 70 degrees can project a picture; choose another light, or leave the picture out",
             ),
             Self::PolygonOffset(number) => {
                 write!(f, "a polygon offset with {number} makes no sense; its slope, units and clamp must be finite and at least 0")

@@ -23,7 +23,7 @@ impl World {
         static WORLD: OnceLock<World> = OnceLock::new();
         WORLD.get_or_init(|| {
             let mut random = Random::new("the world");
-            let (lights, views) = plans();
+            let (mut lights, views) = plans();
             let mut depths = depths(views.len() as u32, &mut random);
             for (view, layer) in views.iter().zip(depths.chunks_exact_mut((MAP_SIZE * MAP_SIZE) as usize)) {
                 if view.depth_kind == DEPTH_REVERSED {
@@ -31,6 +31,19 @@ impl World {
                 }
             }
             let (materials, words) = materials(&mut random);
+            // Every third spot light that has a single view projects a picture, in turn those of the materials.
+            let pictures: Vec<_> =
+                materials.iter().map(|material| material.texture).filter(|texture| texture.first_word != NO_TEXTURE).collect();
+            let spots = lights.iter_mut().filter(|light| light.split == SPLIT_SINGLE && light.axis != [0.0; 3]);
+            for (index, light) in spots.enumerate().filter(|(index, _)| index % 3 == 0) {
+                let texture = pictures[index % pictures.len()];
+                let position = Vec3::from(light.position);
+                let direction = Vec3::from(light.axis);
+                let kind = LightKind::Spot { position, direction, inner: 0.0, outer: 0.6, range: None };
+                let of_picture = Light { kind, color: Vec3::ONE, intensity: 1.0 };
+                plan_picture(light, &of_picture, texture.first_word, texture.width, texture.height)
+                    .expect("a spot light projects a picture");
+            }
             let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
             let mut world = Self { globals, receivers: Vec::new() };
             world.receivers = (0..24 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
