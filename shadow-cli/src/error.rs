@@ -155,6 +155,25 @@ pub(crate) enum CliError {
         /// What is wrong.
         source: FramePlanError,
     },
+    /// A choice of a scene where none is read.
+    #[error("{0} chooses a scene, which only --convert needs; add --convert FROM --to ENGINE, or leave it out")]
+    SceneOfSettings(&'static str),
+    /// A place that the light does not reach.
+    #[error("--at {at} is not before the light; its depth goes from {near} m (not included) to {far} m")]
+    At {
+        /// The distance that was asked for, in metres.
+        at: f32,
+        /// The near plane's, in metres.
+        near: f32,
+        /// The far plane's, in metres.
+        far: f32,
+    },
+    /// An angle at which a surface does not face the light.
+    #[error("--angle {0} is not that of a surface which faces the light; choose from 0 to below 90 degrees")]
+    Angle(f32),
+    /// A bias that is no length.
+    #[error("--convert {0}; take a smaller number, or another --at")]
+    Conversion(String),
     /// Two techniques of the same name.
     #[error("two settings are called `{0}`; give one of them another name")]
     TechniqueName(String),

@@ -6,6 +6,7 @@ use shadow_math::{Filter, Store, Terminator, Texels};
 use super::filter::FilterName;
 use crate::{
     bias::{BiasNames, BiasNumbers, gradient_numbers, offset_numbers},
+    presets::Engine,
     specs::{bias_metres, map_size},
 };
 
@@ -82,6 +83,22 @@ fn terminator(text: &str) -> Result<Terminator, String> {
 /// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct BiasArgs {
+    /// The defaults of an engine, by the kind of each light, as far as the other options can say them
+    ///
+    /// Map size, filter, what is stored and the bias, with the numbers of the engine's own sources. What of them cannot be said is told in a note. To change a preset, print it as a file with
+    /// `shadow settings --preset NAME`, which also has it as options.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME",
+        conflicts_with_all = [
+            "map_size", "filter", "filter_radius", "store", "texels", "terminator", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient",
+            "bias_offset", "bias_push"
+        ],
+        help_heading = "Shadows"
+    )]
+    pub(crate) preset: Option<Engine>,
+
     /// How surfaces are kept from shadowing themselves: automatic, none, or parts joined by plus signs
     ///
     /// automatic is what the receiver's plane needs under the filter, by depth or along its normal: there is nothing to tune. none shows self-shadowing as it is. The parts, which add

@@ -135,20 +135,21 @@ impl<'a> Report<'a> {
 impl<'a> LightReport<'a> {
     fn of(job: &Job, light: usize, scene_light: &'a SceneLight, plan: &LightPlan) -> Self {
         let views = job.plan.views_of(light);
+        let settings = job.shadowing.of(&scene_light.light.kind);
         Self {
             light,
             name: &scene_light.name,
             kind: kind_name(&scene_light.light.kind),
-            fit: job.settings.fit,
+            fit: settings.fit,
             split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
-            store: job.settings.store,
+            store: settings.store,
             bias: BiasReport {
-                name: BiasNames::of(job.settings.bias).0.to_string(),
+                name: BiasNames::of(settings.bias).0.to_string(),
                 metres: plan.bias_metres,
                 slope_scale: plan.slope_scale,
-                summary: summary(job.settings.bias),
+                summary: summary(settings.bias),
             },
-            filter: job.settings.filter,
+            filter: settings.filter,
             views: views
                 .iter()
                 .zip(view_names(views.len()))

@@ -1,5 +1,7 @@
 //! One of several things, chosen by its number or its name.
 
+use std::{convert::Infallible, str::FromStr};
+
 use crate::error::CliError;
 
 /// One of several things, by its number from 0 or by its name.
@@ -24,6 +26,14 @@ impl Selector {
             Self::Name(wanted) => (names.iter().position(|name| name == wanted), format!("`{wanted}`")),
         };
         found.ok_or_else(|| CliError::NoSuch { kind, asked, names: names.to_vec() })
+    }
+}
+
+impl FromStr for Selector {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self::new(text))
     }
 }
 
