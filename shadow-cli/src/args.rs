@@ -622,6 +622,7 @@ mod tests {
         let hint = |line: &str| with_hint(parse(line).unwrap_err()).to_string();
         assert!(hint("shadow house.glb").contains("shadow render house.glb"));
         assert!(!hint("shadow draw").contains("shadow render"));
+        assert!(!hint("shadow measure --settings a --bias none").contains("settings --preset"));
         assert!(!hint("shadow --fast").contains("shadow render"));
     }
 

@@ -16,6 +16,7 @@ mod planar_bias;
 mod poses;
 mod program;
 mod program_files;
+mod program_presets;
 mod program_rival;
 mod program_scenes;
 mod stores;

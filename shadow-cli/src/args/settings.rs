@@ -98,3 +98,51 @@ impl SettingsArgs {
         given.into_iter().find(|(is_given, _)| *is_given).map(|(_, name)| name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use crate::args::{Args, with_hint};
+
+    fn parse(line: &str) -> Result<Args, clap::Error> {
+        Args::try_parse_from(line.split_whitespace())
+    }
+
+    /// A preset is all of what it says; the way out is told.
+    #[test]
+    fn presets_stand_by_themselves() {
+        for option in [
+            "--filter hard",
+            "--filter-radius 2",
+            "--store depth16",
+            "--texels direct3d",
+            "--terminator soft",
+            "--map-size 64",
+            "--bias none",
+            "--bias-constant 1",
+            "--bias-scale 1",
+            "--bias-normal 1",
+            "--bias-limit 1",
+            "--bias-gradient 1,1,1",
+            "--bias-offset 1,1",
+            "--bias-push 1",
+        ] {
+            for command in ["render", "compare", "bench", "plan", "measure"] {
+                let usage = parse(&format!("shadow {command} --preset bevy {option}")).expect_err(option);
+                let told = with_hint(usage).to_string();
+                let name = option.split(' ').next().unwrap_or_default();
+                assert!(told.contains(name) && told.contains("shadow settings --preset NAME"), "{told}");
+            }
+        }
+        for line in ["bench --filters all", "measure --settings a.toml"] {
+            assert!(parse(&format!("shadow {line} --preset bevy")).is_err(), "{line}");
+        }
+        assert!(parse("shadow tune --preset bevy").is_err(), "biases are tried there, not chosen");
+        assert!(parse("shadow render --preset unity").expect_err("there is no such preset").to_string().contains("babylon"));
+        for line in ["--kind spot", "--preset bevy --convert bevy --to three", "--convert bevy", "--to three", "--at 3", "--json"]
+        {
+            assert!(parse(&format!("shadow settings {line}")).is_err(), "{line}");
+        }
+    }
+}

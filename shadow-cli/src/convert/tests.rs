@@ -55,7 +55,7 @@ fn numbers_are_those_of_a_hand() {
         ("godot:normal_bias=2", "metres", "normal", &PARALLEL, 0.002_928_932_188),
         // B = 100 / 99: 0.001 100 / (B + 0.01), and B 0.02 / (10 * 9.98).
         ("three:bias=-0.001", "metres", "constant", &CONE, 0.098_029_507_9),
-        ("bevy:depth=0.02", "three", "bias", &CONE, -0.000_202_425_061),
+        ("bevy:depth=0.02", "three", "bias", &CONE, -0.000_202_425_052),
         // A whole texel of a spot light.
         ("filament:normalBias=1", "metres", "normal", &CONE, 0.007_071_067_8),
         // A hundredth over the distance is a depth of 0.001: as above.

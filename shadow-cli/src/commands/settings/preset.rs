@@ -42,12 +42,13 @@ mod tests {
     fn what_is_printed_says_the_same() {
         for (engine, kind) in Engine::ALL.into_iter().flat_map(|engine| Kind::ALL.map(|kind| (engine, kind))) {
             let text = text(engine, kind);
-            let (name, settings) = parse(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            let (name, settings) = parse(&text).expect(&text);
             assert_eq!((name, settings), (Some(format!("{}, {}", engine.name(), kind.name())), engine.settings(kind)), "{text}");
             let options = text.lines().find_map(|line| line.strip_prefix("# The same as options: ")).expect("they are there");
             let line = format!("shadow plan {options}");
-            let args = Args::try_parse_from(line.split_whitespace()).unwrap_or_else(|error| panic!("{line}: {error}"));
-            let Some(Command::Plan(args)) = args.command else { panic!("{line} is not a plan") };
+            let command = Args::try_parse_from(line.split_whitespace()).expect(&line).command;
+            let args = if let Some(Command::Plan(args)) = command { Some(args) } else { None };
+            let args = args.expect("the line asks for a plan");
             let job = Job::resolve(&args.picture, &args.bias, &Console::new(true)).expect("the options go together");
             assert_eq!(job.shadowing.of_first(&job.scene), engine.settings(kind), "{line}");
         }
