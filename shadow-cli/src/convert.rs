@@ -21,6 +21,9 @@ const GODOT_STEP: f64 = 10.0;
 /// MJP's step along the normal is this over the map's size, as though the map were so many metres wide (`GetShadowPosOffset`).
 const MJP_STEP: f64 = 2.0;
 
+/// How far two lengths that are the same can be apart by rounding, as a share of them.
+const ROUNDING: f64 = 1e-12;
+
 /// Whose numbers a bias is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum System {
@@ -179,13 +182,13 @@ impl System {
     fn unit(self, parameter: &Parameter, place: &Place) -> Unit {
         let (sine, cosine) = place.angle.sin_cos();
         let Self::Engine(engine) = self else {
-            return Unit::Metres(if parameter.component == Component::Slope { place.slope_texel() } else { 1.0 });
+            return if parameter.component == Component::Slope { Unit::Depth(place.slope_depth()) } else { Unit::Metres(1.0) };
         };
         match (engine, parameter.component, place.kind) {
             (Engine::Ogre2006, ..) => Unit::Push,
             (Engine::Ogre112, ..) => Unit::OfStored,
             // `glPolygonOffset` and its like: a factor on the larger of two slopes, which on such a place is the only one.
-            (_, Component::Slope, _) => Unit::Metres(place.slope_texel()),
+            (_, Component::Slope, _) => Unit::Depth(place.slope_depth()),
             (Engine::Ogre13, ..) => Unit::Depth(1.0 / STEPS_16),
             (Engine::Filament, Component::Constant, _) if parameter.name == "polygonOffsetConstant" => {
                 Unit::Depth(1.0 / STEPS_16)
@@ -338,9 +341,11 @@ impl Place {
         (metres < self.at).then(|| self.factor() * metres / (self.at * (self.at - metres)))
     }
 
-    /// The length by which the surface falls away over a texel.
-    fn slope_texel(&self) -> f64 {
-        self.texel * self.angle.tan()
+    /// By how much depth the surface falls away over a texel. In the map that is the same all over a plane: with `1 / d = (1 - u tan) / D` at the tangent u from the axis, z / w grows by
+    /// `B tan / D` with u.
+    fn slope_depth(&self) -> f64 {
+        let fall = self.factor() * self.texel * self.angle.tan();
+        if self.is_perspective { fall / (self.at * self.at) } else { fall }
     }
 }
 
@@ -405,8 +410,9 @@ pub(crate) fn convert(given: &GivenBias, to: System, place: &Place) -> Result<Co
     let mut numbers: Vec<Option<f64>> = vec![Some(0.0); targets.len()];
     let mut components = Vec::with_capacity(Component::ALL.len());
     for component in Component::ALL {
-        let built_in =
-            |system: System| if component == Component::Slope { system.built_in_slope() * place.slope_texel() } else { 0.0 };
+        let built_in = |system: System| {
+            if component == Component::Slope { place.metres_of_depth(system.built_in_slope() * place.slope_depth()) } else { 0.0 }
+        };
         let mut metres = built_in(from);
         for (parameter, value) in parameters.iter().zip(&values).filter(|(parameter, _)| parameter.component == component) {
             let length = from.unit(parameter, place).to_metres(value.abs(), place);
@@ -419,7 +425,7 @@ pub(crate) fn convert(given: &GivenBias, to: System, place: &Place) -> Result<Co
                 numbers[index] = found.ok().map(|number| if parameter.is_negative && number > 0.0 { -number } else { number });
                 found.err().map(|problem| format!("{}'s {}: {problem}", to.name(), parameter.name))
             }
-            None if metres == built_in(to) => None,
+            None if (metres - built_in(to)).abs() <= ROUNDING * metres => None,
             None if built_in(to) > 0.0 => {
                 Some(format!("{} has no parameter for this, and always adds {:.4} m", to.name(), built_in(to)))
             }

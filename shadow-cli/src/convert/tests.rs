@@ -70,6 +70,9 @@ fn numbers_are_those_of_a_hand() {
         let found = number(given, to, name, place);
         assert!((found - expected).abs() <= 1e-8 * expected.abs(), "{given} to {to}: {name} = {found}, not {expected}");
     }
+    // A depth of three texels' fall, B 0.03 / 100, is 0.03 / (1 + 0.03 / 10) m before the surface.
+    let slope = converted("ogre-13:slope=3", "metres", &CONE).components[2].metres;
+    assert!((slope - 0.029_910_269_19).abs() < 1e-11, "{slope}");
     let around = Place { kind: Kind::Point, ..CONE };
     assert!((number("babylon:bias=0.001", "metres", "constant", &around) - 0.101).abs() < 1e-12);
     assert!((number("three:bias=-0.001", "metres", "constant", &around) - 0.099).abs() < 1e-12);
