@@ -4,6 +4,7 @@
 
 mod filter;
 mod help;
+mod probe;
 mod settings;
 mod shadow;
 
@@ -24,8 +25,9 @@ use self::help::{
 };
 pub(crate) use self::{
     filter::{FilterList, FilterName},
+    probe::ProbeArgs,
     settings::{DEFAULT_ANGLE_DEGREES, SettingsArgs},
-    shadow::{BiasArgs, ShadowArgs},
+    shadow::{BiasArgs, LightSettings, ShadowArgs},
 };
 use crate::specs::{
     BackendList, BackendPair, ByteSize, CameraChoice, LightSpec, PictureSize, SceneSource, Show, exposure_value, light_samples,
@@ -148,6 +150,13 @@ pub(crate) enum Command {
     Settings(SettingsArgs),
     /// List the graphics adapters that the GPU backend can use
     Devices(DevicesArgs),
+    /// Measure what a graphics adapter does where WebGPU leaves it a choice
+    ///
+    /// Draws small pictures and reads them back: the sub-pixel grid and edge rule, which plane depth is read from and how exactly, the units of the
+    /// pipeline's depth bias, the weights of the comparison sampler, and what depth formats keep. What cannot be measured is said to be so. A
+    /// warning follows where a technique here would depend on what was found.
+    #[command(after_help = probe::PROBE_EXAMPLES)]
+    Probe(ProbeArgs),
     /// Print what a shell needs to complete commands and options
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
@@ -159,8 +168,8 @@ pub(crate) enum Command {
 }
 
 /// The names of the commands.
-pub(crate) const COMMANDS: [&str; 11] =
-    ["render", "compare", "bench", "info", "plan", "measure", "tune", "settings", "devices", "completions", "man"];
+pub(crate) const COMMANDS: [&str; 12] =
+    ["render", "compare", "bench", "info", "plan", "measure", "tune", "settings", "devices", "probe", "completions", "man"];
 
 /// Which scene: the choices that all commands on scenes share.
 #[derive(Debug, ClapArgs)]

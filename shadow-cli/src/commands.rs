@@ -9,6 +9,7 @@ mod measure;
 mod tune;
 mod settings;
 mod devices;
+mod probe;
 mod completions;
 mod man;
 
@@ -65,6 +66,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Tune(args) => tune::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Probe(args) => probe::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     }

@@ -26,6 +26,21 @@ pub(crate) enum CliError {
         /// What went wrong.
         problem: String,
     },
+    /// A colour without shadows that it could be the colour of.
+    #[error(
+        "--shadow-color has no meaning with additive composition, which leaves shadows to ambient light; use --composition modulative, or leave it out"
+    )]
+    ShadowColor,
+    /// Settings of single lights, where techniques are compared.
+    #[error(
+        "--light-settings has no meaning here, where whole techniques are tried on all lights; leave it out, or use it with render, compare, bench or plan"
+    )]
+    LightSettings,
+    /// Rules that are stated for z / w, on maps of something else.
+    #[error(
+        "--store {0} has no meaning with tune: what engines do is tried on maps of depth32, for which their rules are stated; leave it out (shadow measure judges every store)"
+    )]
+    TuneStore(&'static str),
     /// Nothing to compare another tracer with.
     #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
     RivalWithoutTracer,
@@ -158,6 +173,11 @@ pub(crate) enum CliError {
     /// A choice of a scene where none is read.
     #[error("{0} chooses a scene, which only --convert needs; add --convert FROM --to ENGINE, or leave it out")]
     SceneOfSettings(&'static str),
+    /// A light without a map.
+    #[error(
+        "the light `{0}` has no shadow map, since nothing casts a shadow in it; choose another with --of-light, or a scene with objects"
+    )]
+    NoMap(String),
     /// A place that the light does not reach.
     #[error("--at {at} is not before the light; its depth goes from {near} m (not included) to {far} m")]
     At {
@@ -212,6 +232,12 @@ pub(crate) enum CliError {
     /// A certificate's name does not end in a format that it can have.
     #[error("cannot write `{}`: a certificate is a page, whose name ends in .html, or numbers, in .json; choose one of these", path.display())]
     CertificateFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The name of a report for programs does not end in its format.
+    #[error("cannot write `{}`: the report is JSON; choose a name that ends in .json", path.display())]
+    ReportFormat {
         /// The file.
         path: PathBuf,
     },

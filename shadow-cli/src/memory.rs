@@ -26,7 +26,7 @@ const VERTEX: u64 = 12 + 12 + 8 + 16;
 /// Bytes of a vertex in the CPU backend: its position again (12), what shading reads of it (32) and its place in the window (24).
 const CPU_VERTEX: u64 = 12 + 32 + 24;
 /// Bytes of a triangle in a scene: three indices and a material.
-const TRIANGLE: u64 = 12 + 4;
+const TRIANGLE: u64 = 12 + 4 + 4;
 /// Bytes of a triangle in the CPU backend, which keeps what a pass needs for the next: its edges and depth plane (44, in a list that has up to twice
 /// the room it needs), and its entries in two or three bins (12 each).
 const CPU_TRIANGLE: u64 = 2 * 44 + 36;
@@ -38,7 +38,7 @@ const SEEN: u64 = 32;
 /// Bytes of a vertex in the GPU backend: all that it has three times while it is brought there, and its position once more.
 const GPU_VERTEX: u64 = 3 * VERTEX + 12;
 /// Bytes of a triangle in the GPU backend: the same with its indices.
-const GPU_TRIANGLE: u64 = 3 * TRIANGLE + 12;
+const GPU_TRIANGLE: u64 = 3 * 16 + 12;
 /// Bytes of a texel in a scene, and again in either backend.
 const TEXEL: u64 = 4;
 /// Bytes of a texel of a shadow map, of a depth, of a triangle's index and of a light's visibility.

@@ -1,19 +1,21 @@
 //! From what was typed to what is to be done: the scene, its camera and lights, and the plan of the frame.
 
 use shadow_cpu::trace::Sampling;
-use shadow_math::{Camera, LightKind, ShadowSettings};
+use shadow_math::{Camera, Composition, LightKind, ShadowSettings, settings::OGRE_SHADOW_COLOR};
 use shadow_scene::{
-    FramePlan, ImportError, ImportOptions, LayerName, Request, Scene, SceneLight, builder::SUN_LUX, builtin, import_with,
+    FramePlan, ImportError, ImportOptions, LayerName, LightPasses, Request, Scene, SceneLight, builder::SUN_LUX, builtin,
+    import_with,
 };
 
 use crate::{
-    args::{BiasArgs, FilterName, PictureArgs, SceneArgs, ShadowArgs},
+    args::{BiasArgs, FilterName, LightSettings, PictureArgs, SceneArgs, ShadowArgs},
     bias::Meaningless,
     console::Console,
     error::CliError,
     memory::Limit,
+    settings_file,
     shadowing::Shadowing,
-    specs::{CameraChoice, LightSpec, SceneSource, Selector, Show},
+    specs::{ByteSize, CameraChoice, LightSpec, SceneSource, Selector, Show},
 };
 
 /// The faces of a cube, in the order of its views.
@@ -33,6 +35,8 @@ pub(crate) struct Job {
     pub(crate) camera: Camera,
     /// How lights are shadowed.
     pub(crate) shadowing: Shadowing,
+    /// How each light is shadowed, in order: as the above has it, but for those with a file of their own.
+    pub(crate) of_lights: Vec<ShadowSettings>,
     /// How the picture is made.
     pub(crate) plan: FramePlan,
     /// How the tracer samples lights that have a size; `None` as it does by itself.
@@ -48,15 +52,19 @@ impl Job {
     pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args, bias)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
-        let scene = with_chosen_lights(scene, &args.lights)?;
+        let scene = with_casters(with_chosen_lights(scene, &args.lights)?, &args.shadows)?;
         let shadowing = bias.preset.map_or_else(|| Shadowing::alike(settings), |engine| Shadowing::preset(engine, &scene));
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
-        let plan = shadowing.plan(&scene, &camera, (args.size.width, args.size.height), args.exposure)?;
+        let of_lights = settings_of_lights(&scene, &shadowing, &args.shadows)?;
+        let size = (args.size.width, args.size.height);
+        let map_size = shadowing.map_size();
+        let plan = FramePlan::with_settings_of(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure)?;
+        let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
         notes.extend(shadowing.notes(&scene));
         tell_notes(&notes, console);
-        Ok(Self { scene_name, scene, notes, camera_name, camera, shadowing, plan, light_samples: None, limit })
+        Ok(Self { scene_name, scene, notes, camera_name, camera, shadowing, of_lights, plan, light_samples: None, limit })
     }
 
     /// The layer that is to be shown, once it is known that there is one.
@@ -130,8 +138,56 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         bias: bias.bias.to_string(),
         use_with,
     })?;
-    let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator } = args.shadows;
+    let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator, .. } = args.shadows;
     Ok(ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() })
+}
+
+/// The scene with the lights and objects that cast shadows as they are wanted.
+fn with_casters(scene: Scene, args: &ShadowArgs) -> Result<Scene, CliError> {
+    let mut lights = scene.lights().to_vec();
+    let names: Vec<String> = lights.iter().map(|light| light.name.clone()).collect();
+    for selector in &args.no_shadow {
+        for index in selector.find_all("light", &names)? {
+            lights[index].casts_shadows = false;
+        }
+    }
+    let objects: Vec<String> = scene.instances().iter().map(|instance| instance.name.clone()).collect();
+    let mut left_out = Vec::new();
+    for selector in &args.no_cast {
+        left_out.extend(selector.find_all("object", &objects)?);
+    }
+    let scene = if args.no_shadow.is_empty() { scene } else { scene.with_lights(lights) };
+    Ok(if left_out.is_empty() { scene } else { scene.with_casters(|index, _| !left_out.contains(&index)) })
+}
+
+/// How each light is shadowed.
+fn settings_of_lights(scene: &Scene, shadowing: &Shadowing, args: &ShadowArgs) -> Result<Vec<ShadowSettings>, CliError> {
+    let names: Vec<String> = scene.lights().iter().map(|light| light.name.clone()).collect();
+    let mut of_lights: Vec<ShadowSettings> = scene.lights().iter().map(|light| shadowing.of(&light.light.kind)).collect();
+    for LightSettings { light, path } in &args.light_settings {
+        let own = settings_file::read(path)?.settings;
+        for index in light.find_all("light", &names)? {
+            of_lights[index] = own;
+        }
+    }
+    Ok(of_lights)
+}
+
+/// The plan with its composition, within the budget.
+fn composed(plan: FramePlan, args: &ShadowArgs) -> Result<FramePlan, CliError> {
+    let composition = match (args.composition.as_str(), args.shadow_color) {
+        ("modulative", color) => Composition::Modulative(color.unwrap_or(OGRE_SHADOW_COLOR)),
+        (_, None) => Composition::Additive,
+        (_, Some(_)) => return Err(CliError::ShadowColor),
+    };
+    let mut plan = plan.with_composition(composition)?;
+    if args.light_passes == "each" {
+        plan.light_passes = LightPasses::Each;
+    }
+    if let Some(ByteSize(bytes)) = args.shadow_budget {
+        plan.check_budget(bytes)?;
+    }
+    Ok(plan)
 }
 
 /// Tells the notes about a scene.
@@ -183,7 +239,7 @@ pub(crate) fn with_chosen_lights(scene: Scene, specs: &[LightSpec]) -> Result<Sc
             .validate()
             .and_then(|()| shape.validate(&light.kind))
             .map_err(|source| CliError::Light { spec: spec.text.clone(), source })?;
-        lights.push(SceneLight { name: spec.name().into(), light, shape });
+        lights.push(SceneLight { shape, ..SceneLight::new(spec.name(), light) });
     }
     Ok(scene.with_lights(lights))
 }

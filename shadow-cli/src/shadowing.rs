@@ -34,6 +34,11 @@ impl Shadowing {
         Self { kinds: self.kinds.map(|settings| ShadowSettings { filter, filter_radius: None, ..settings }), ..self }
     }
 
+    /// Width and height of every map in texels.
+    pub(crate) fn map_size(&self) -> u32 {
+        self.kinds[0].map_size
+    }
+
     /// How a light of this kind is shadowed.
     pub(crate) fn of(&self, light: &LightKind) -> ShadowSettings {
         Kind::of(light).pick(self.kinds)
@@ -62,8 +67,7 @@ impl Shadowing {
         size: (u32, u32),
         ev: Option<f32>,
     ) -> Result<FramePlan, FramePlanError> {
-        let map_size = self.kinds[0].map_size;
-        FramePlan::with_settings_of(scene, camera, map_size, |_, light| self.of(&light.light.kind), size, ev)
+        FramePlan::with_settings_of(scene, camera, self.map_size(), |_, light| self.of(&light.light.kind), size, ev)
     }
 
     /// What of a preset is not as in the engine, for the kinds of light that the scene has.

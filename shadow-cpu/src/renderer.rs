@@ -6,8 +6,10 @@ use std::{
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use shadow_math::depth::LAYER_FIRST;
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+use shadow_math::{depth::LAYER_FIRST, plan::COMPOSE_ADDITIVE};
+use shadow_scene::{
+    Frame, FramePlan, Layer, LayerName, LightPasses, NO_TRIANGLE, Pass, Pixels, Request, Scene, StageTimes, Surfaces,
+};
 
 use crate::{
     buffer::{Buffer, Pool},
@@ -152,7 +154,7 @@ impl CpuRenderer {
             let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
             let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
             let culling = if plan.takes_back_faces(index) { Culling::Front } else { Culling::None };
-            let runs = runs(prepared.scene, culling);
+            let runs = runs(prepared.scene, culling, Pass::casts_shadows);
             let texels = size as usize * size as usize;
             let mut depth = self.floats.take(texels);
             let (positions, triangles, rules) = (&prepared.positions, prepared.scene.triangles(), &self.rules);
@@ -191,7 +193,7 @@ impl CpuRenderer {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let scratch = &mut *scratch;
         let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &camera.rays };
-        let runs = runs(prepared.scene, Culling::Back);
+        let runs = runs(prepared.scene, Culling::Back, |_| true);
         let pixels = camera.width as usize * camera.height as usize;
         let mut buffer = CameraBuffer { triangles: self.triangles.take(pixels), depth: self.floats.take(pixels) };
         self.threads.install(|| {
@@ -223,6 +225,37 @@ impl CpuRenderer {
         let out = Resolved { visibility: Some(&mut visibility), color: None };
         self.threads.install(|| resolve(prepared.view(), plan, &camera.triangles, maps, out));
         visibility
+    }
+
+    /// The colour of every pixel as [`Self::color`] has it, in a pass for each light: added up, or multiplied, as [`FramePlan::passes`] says.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::color`].
+    #[must_use]
+    pub fn color_by_passes(
+        &self,
+        prepared: &PreparedScene<'_>,
+        plan: &FramePlan,
+        camera: &CameraBuffer,
+        visibility: &[f32],
+    ) -> Buffer<[f32; 4]> {
+        let mut passes = plan.passes().into_iter().map(|camera| FramePlan { camera, ..plan.clone() });
+        let pass = |plan: &FramePlan| self.color(prepared, plan, camera, visibility);
+        let mut color = passes.next().map_or_else(|| self.colors.take(camera.triangles.len()), |plan| pass(&plan));
+        let is_additive = plan.camera.composition == COMPOSE_ADDITIVE;
+        for plan in passes {
+            let more = pass(&plan);
+            for ((color, more), &triangle) in color.iter_mut().zip(more.iter()).zip(camera.triangles.iter()) {
+                if triangle == NO_TRIANGLE {
+                    continue;
+                }
+                for (channel, more) in color.iter_mut().zip(more).take(3) {
+                    *channel = if is_additive { *channel + more } else { *channel * more };
+                }
+            }
+        }
+        color
     }
 
     /// The colour of every pixel, from visibilities wherever they come from: the lights of a pixel side by side.
@@ -275,7 +308,13 @@ impl CpuRenderer {
         let maps = if needs_maps { self.shadow_maps(prepared, plan) } else { ShadowMaps::default() };
         let maps_done = Instant::now();
         let (visibility, color) = if needs_shading {
-            self.shade(prepared, plan, &camera, &maps, request)
+            let is_by_passes = request.color && plan.light_passes == LightPasses::Each;
+            // Passes read visibilities, whether these are wanted or not.
+            let needed =
+                Request { visibility: request.visibility || is_by_passes, color: request.color && !is_by_passes, ..request };
+            let (visibility, color) = self.shade(prepared, plan, &camera, &maps, needed);
+            let color = if is_by_passes { self.color_by_passes(prepared, plan, &camera, &visibility) } else { color };
+            (visibility, color)
         } else {
             (Buffer::default(), Buffer::default())
         };
@@ -303,10 +342,11 @@ impl CpuRenderer {
 }
 
 /// The runs of triangles that a pass over the scene draws.
-fn runs(scene: &Scene, of_single_sided: Culling) -> Vec<Run> {
+fn runs(scene: &Scene, of_single_sided: Culling, is_drawn: impl Fn(Pass) -> bool) -> Vec<Run> {
     Pass::ALL
-        .iter()
-        .map(|&pass| Run {
+        .into_iter()
+        .filter(|&pass| is_drawn(pass) && !scene.pass_triangles(pass).is_empty())
+        .map(|pass| Run {
             triangles: scene.pass_triangles(pass),
             culling: if pass.culls_back_faces() { of_single_sided } else { Culling::None },
             is_masked: pass.is_masked(),

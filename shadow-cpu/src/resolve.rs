@@ -3,7 +3,13 @@
 //! Mirrored by `resolve_visibility.wgsl`, `resolve_color.wgsl` and `surfaces.wgsl`.
 
 use rayon::prelude::*;
-use shadow_math::{material::FLAG_MASK, plan::PixelRays, shade::BACKGROUND, triangle::pixel_ray, visibility::MapAccess};
+use shadow_math::{
+    material::FLAG_MASK,
+    plan::{COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, PixelRays, TERMINATOR_SOFT},
+    shade::BACKGROUND,
+    triangle::pixel_ray,
+    visibility::MapAccess,
+};
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
 
 use self::{
@@ -168,6 +174,11 @@ impl Kernel for RowKernel<'_> {
         let mut hits = Hits::EMPTY;
         let mut surfaces = SurfaceSpan::EMPTY;
         let mut radiance = Vectors::ZERO;
+        let mut factor = Vectors([[1.0; SPAN]; 3]);
+        let is_any_soft = plan.lights.iter().any(|light| light.terminator == TERMINATOR_SOFT);
+        let composition = plan.camera.composition;
+        let first = plan.camera.first_light as usize;
+        let drawn = first..first + plan.camera.light_count as usize;
         let background = [BACKGROUND[0], BACKGROUND[1], BACKGROUND[2], 1.0];
         for (span, seen) in triangles.chunks(SPAN).enumerate() {
             let x = span * SPAN;
@@ -186,7 +197,11 @@ impl Kernel for RowKernel<'_> {
             hits.intersect(&corners, &plan.camera.rays, x, y);
             if wants_color {
                 surfaces.sample(view, &plan.camera, (x, y), &corners, &hits, seen.len());
+                if is_any_soft {
+                    surfaces.deviate(&corners, &hits);
+                }
                 surfaces.ambient(&plan.camera, &hits, &mut radiance);
+                factor = Vectors([[1.0; SPAN]; 3]);
             }
             for (l, light) in plan.lights.iter().enumerate() {
                 let mut numbers = [1.0; SPAN];
@@ -207,14 +222,24 @@ impl Kernel for RowKernel<'_> {
                         out[i * light_count + l] = if triangle == NO_TRIANGLE { 1.0 } else { numbers[i] };
                     }
                 }
-                if wants_color {
-                    surfaces.add_light(light, &hits, &numbers, &mut radiance);
+                if wants_color && drawn.contains(&l) {
+                    if composition == COMPOSE_ADDITIVE {
+                        surfaces.add_light(light, &hits, &numbers, &mut radiance);
+                    } else {
+                        let sums = (&mut radiance, &mut factor);
+                        surfaces.add_unshadowed(&plan.camera, light, &hits, &numbers, sums);
+                    }
                 }
             }
             if wants_color {
                 let exposure = plan.camera.exposure;
                 for (i, (out, &triangle)) in color[pixels].iter_mut().zip(seen).enumerate() {
-                    let [r, g, b] = (radiance.get(i) * exposure).to_array();
+                    let lit = match composition {
+                        COMPOSE_MODULATIVE => radiance.get(i) * factor.get(i) * exposure,
+                        COMPOSE_FACTOR => factor.get(i),
+                        _ => radiance.get(i) * exposure,
+                    };
+                    let [r, g, b] = lit.to_array();
                     *out = if triangle == NO_TRIANGLE { background } else { [r, g, b, 1.0] };
                 }
             }

@@ -71,6 +71,8 @@ pub struct Tracer<'a> {
     surfaces: Surfaces,
     /// The index of the first triangle whose material is alpha-tested.
     first_masked: u32,
+    /// Whether every triangle casts shadows.
+    is_all_cast: bool,
     threads: ThreadPool,
 }
 
@@ -96,7 +98,8 @@ impl<'a> Tracer<'a> {
             .map_err(|source| CpuError::Threads { threads, source })?;
         let first_masked = scene.pass_triangles(Pass::MaskSingleSided).start;
         let structure = Structure::new(scene);
-        Ok(Self { scene, structure, surfaces: Surfaces::of(scene), first_masked, threads: pool })
+        let is_all_cast = Pass::ALL.into_iter().all(|pass| pass.casts_shadows() || scene.pass_triangles(pass).is_empty());
+        Ok(Self { scene, structure, surfaces: Surfaces::of(scene), first_masked, is_all_cast, threads: pool })
     }
 
     /// Rays for one thread.
@@ -154,6 +157,12 @@ impl<'a> Tracer<'a> {
         material.flags & FLAG_MASK == 0 || color().w >= material.alpha_cutoff
     }
 
+    /// Whether a triangle hides what lies behind it from lights.
+    #[inline]
+    fn hides(&self, hit: &Hit) -> bool {
+        self.is_there(hit) && (self.is_all_cast || self.scene.casts_shadow(hit.triangle))
+    }
+
     /// Whether the camera sees a triangle from the side that a ray meets.
     #[inline]
     fn is_seen(&self, hit: &Hit) -> bool {
@@ -181,10 +190,16 @@ impl Rays<'_> {
         self.walk::<false>(ray, |hit| tracer.is_there(hit))
     }
 
-    /// Whether a ray meets any triangle, of either side.
+    /// The first triangle, of either side, that a ray meets and that casts shadows.
+    pub fn closest_caster(&mut self, ray: Ray) -> Option<Hit> {
+        let tracer = self.tracer;
+        self.walk::<false>(ray, |hit| tracer.hides(hit))
+    }
+
+    /// Whether a ray meets any triangle, of either side, that casts shadows.
     pub fn is_blocked(&mut self, ray: Ray) -> bool {
         let tracer = self.tracer;
-        self.walk::<true>(ray, |hit| tracer.is_there(hit)).is_some()
+        self.walk::<true>(ray, |hit| tracer.hides(hit)).is_some()
     }
 
     /// The corners of a triangle, exactly as the scene has them.
@@ -206,9 +221,8 @@ impl Rays<'_> {
         self.sent += 1;
         let tracer = self.tracer;
         let rises = |corners: &[DVec3; 3]| corners.iter().any(|&corner| point.normal.dot(corner - point.position) > point.lift);
-        ray_to_center(point, light).is_some_and(|ray| {
-            is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, rises, |hit| tracer.is_there(hit))
-        })
+        ray_to_center(point, light)
+            .is_some_and(|ray| is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, rises, |hit| tracer.hides(hit)))
     }
 
     /// Whether a triangle of a kind comes within `clearance` of the light's ray through a point, before the point or behind it.
@@ -222,7 +236,7 @@ impl Rays<'_> {
         self.sent += 1;
         let tracer = self.tracer;
         let ray = ray_from_center(point, light, tracer.scene.bounds());
-        is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, is_of_kind, |hit| tracer.is_there(hit))
+        is_nearly_met(&tracer.structure, &mut self.stack, ray, clearance, is_of_kind, |hit| tracer.hides(hit))
     }
 
     /// Whether a surface faces the middle of a light.
@@ -233,20 +247,20 @@ impl Rays<'_> {
 
     /// Whether the middle of a light is seen from a surface that faces it: the truth of a light without a size.
     pub fn sees_center(&mut self, point: &SurfacePoint, light: &SceneLight) -> bool {
-        ray_to_center(point, light).is_some_and(|ray| !self.is_blocked(ray))
+        ray_to_center(point, light).is_some_and(|ray| !light.casts_shadows || !self.is_blocked(ray))
     }
 
     /// The nearest triangle between a surface and the middle of a light, and the ray that meets it; `None` where the surface does not face
     /// the light, or sees it.
     pub fn blocker_of_center(&mut self, point: &SurfacePoint, light: &SceneLight) -> Option<(Ray, Hit)> {
         let ray = ray_to_center(point, light)?;
-        Some((ray, self.closest(ray)?))
+        Some((ray, self.closest_caster(ray)?))
     }
 
     /// The surface that the light's ray through a point meets first, before the point or behind it: what a shadow map should hold there.
     pub fn first_from_center(&mut self, point: DVec3, light: &SceneLight) -> Option<SurfacePoint> {
         let ray = ray_from_center(point, light, self.tracer.scene.bounds());
-        let hit = self.closest(ray)?;
+        let hit = self.closest_caster(ray)?;
         Some(self.tracer.surface_point(&hit, ray))
     }
 
@@ -262,7 +276,7 @@ impl Rays<'_> {
         let mut seen = 0;
         for cell in 0..sampling.count() {
             if let Some(ray) = figure.ray(point, light, stratified(sampling.side, cell, seed))
-                && !self.is_blocked(ray)
+                && (!light.casts_shadows || !self.is_blocked(ray))
             {
                 seen += 1;
             }

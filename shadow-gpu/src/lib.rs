@@ -13,11 +13,13 @@ mod clock;
 mod error;
 mod limits;
 mod wait;
+mod device;
 mod passes;
 mod pipelines;
 mod buffers;
 mod renderer;
 mod shelf;
+pub mod probe;
 
 pub use adapter::{AdapterSummary, DriverRules, list_adapters};
 pub use error::GpuError;

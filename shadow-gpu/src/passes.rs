@@ -29,8 +29,10 @@ impl Slices {
 /// The views of a light, in as many places as a light can have views.
 pub(crate) fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; CUBE_FACES.len()] {
     let mut views = [bytemuck::Zeroable::zeroed(); CUBE_FACES.len()];
-    let own = &plan.views[light.first_view as usize..][..light.view_count as usize];
-    views[..own.len()].copy_from_slice(own);
+    let own = plan.views.iter().skip(light.first_view as usize).take(light.view_count as usize);
+    for (view, own) in views.iter_mut().zip(own) {
+        *view = *own;
+    }
     views
 }
 
@@ -45,12 +47,12 @@ pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureVi
     })
 }
 
-/// A pass whose fragments write `target` where the camera's depth has something, and which has `background` elsewhere.
+/// A pass whose fragments write `target` where the camera's depth has something, and which has `background` elsewhere; without one what is there stays, and is blended with.
 pub(crate) fn full_screen_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     label: &str,
     target: &wgpu::TextureView,
-    background: wgpu::Color,
+    background: Option<wgpu::Color>,
     camera_depth: &wgpu::Texture,
 ) -> wgpu::RenderPass<'a> {
     let depth = camera_depth.create_view(&wgpu::TextureViewDescriptor::default());
@@ -60,7 +62,10 @@ pub(crate) fn full_screen_pass<'a>(
             view: target,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(background), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations {
+                load: background.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
+                store: wgpu::StoreOp::Store,
+            },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &depth,

@@ -10,10 +10,14 @@ use shadow_math::{
     plan::{BIAS_AUTOMATIC, FILTER_BILINEAR},
 };
 
+mod color;
 mod map;
 
-pub(crate) use self::map::{Drawn, MapPipelines, MapStyle};
-use crate::shaders::{self, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, ShaderFile, VISIBILITY_MODULE};
+pub(crate) use self::{
+    color::{Blend, ColorPipelines},
+    map::{Drawn, MapPipelines, MapStyle},
+};
+use crate::shaders::{self, CAMERA_MODULE, READBACK_ID_MODULE, READBACK_MODULE, ShaderFile, VISIBILITY_MODULE};
 
 /// The format of shadow maps and of the camera's depth.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -44,14 +48,14 @@ pub(crate) struct Pipelines {
     /// By `[is_masked][culls_back_faces]`.
     pub(crate) camera: [[wgpu::RenderPipeline; 2]; 2],
     visibility: VisibilityPipelines,
-    pub(crate) color: wgpu::RenderPipeline,
+    pub(crate) color: ColorPipelines,
     pub(crate) readback: wgpu::ComputePipeline,
     pub(crate) readback_id: wgpu::ComputePipeline,
 }
 
 const GRAPHICS: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT;
 const FRAGMENT: wgpu::ShaderStages = wgpu::ShaderStages::FRAGMENT;
-const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
+pub(crate) const COMPUTE: wgpu::ShaderStages = wgpu::ShaderStages::COMPUTE;
 
 const UNIFORM: wgpu::BindingType =
     wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
@@ -60,7 +64,7 @@ const UNIFORM: wgpu::BindingType =
 const SLICE: wgpu::BindingType =
     wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: true, min_binding_size: None };
 
-const fn storage(read_only: bool) -> wgpu::BindingType {
+pub(crate) const fn storage(read_only: bool) -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only },
         has_dynamic_offset: false,
@@ -68,18 +72,22 @@ const fn storage(read_only: bool) -> wgpu::BindingType {
     }
 }
 
-const fn texture(sample_type: wgpu::TextureSampleType, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+pub(crate) const fn texture(
+    sample_type: wgpu::TextureSampleType,
+    view_dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 /// Depths are bound as numbers that cannot be filtered: the same binding takes a depth texture and an upload.
 const DEPTHS: wgpu::BindingType =
     texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2Array);
-const FLOATS: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+pub(crate) const FLOATS: wgpu::BindingType =
+    texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 const IDS: wgpu::BindingType = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
 
 /// A layout whose bindings are numbered from 0.
-fn layout(
+pub(crate) fn layout(
     device: &wgpu::Device,
     label: &str,
     visibility: wgpu::ShaderStages,
@@ -108,12 +116,12 @@ impl Layouts {
     }
 }
 
-fn module(device: &wgpu::Device, label: &str, files: &[ShaderFile]) -> wgpu::ShaderModule {
+pub(crate) fn module(device: &wgpu::Device, label: &str, files: &[ShaderFile]) -> wgpu::ShaderModule {
     let source = wgpu::ShaderSource::Wgsl(shaders::join(files).into());
     device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
 }
 
-fn pipeline_layout(device: &wgpu::Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+pub(crate) fn pipeline_layout(device: &wgpu::Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
     let groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
     device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
@@ -182,7 +190,7 @@ fn full_screen_pipeline(
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
     constants: &[(&str, f64)],
-    target: wgpu::TextureFormat,
+    target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
     let compilation_options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -208,7 +216,7 @@ fn full_screen_pipeline(
             module,
             entry_point: Some(entry_point),
             compilation_options: compilation_options(),
-            targets: &[Some(target.into())],
+            targets: &[Some(target)],
         }),
         multiview_mask: None,
         cache: None,
@@ -240,13 +248,13 @@ impl VisibilityPipelines {
         let make = || {
             let constants =
                 [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias)), ("LIGHT_DEPTH", f64::from(depth))];
-            full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT)
+            full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT.into())
         };
         made.entry([filter, bias, depth]).or_insert_with(make).clone()
     }
 }
 
-fn compute_pipeline(
+pub(crate) fn compute_pipeline(
     device: &wgpu::Device,
     entry_point: &str,
     files: &[ShaderFile],
@@ -301,14 +309,7 @@ impl Pipelines {
             map: MapPipelines::new(device, &layouts),
             camera,
             visibility: VisibilityPipelines::new(device, &layouts),
-            color: full_screen_pipeline(
-                device,
-                "resolve_color",
-                &module(device, "resolve_color", COLOR_MODULE),
-                &pipeline_layout(device, "resolve_color", &[&layouts.geometry, &layouts.surfaces, &layouts.color]),
-                &[],
-                COLOR_FORMAT,
-            ),
+            color: ColorPipelines::new(device, &layouts),
             readback: compute_pipeline(device, "read_depth", READBACK_MODULE, &[&layouts.readback]),
             readback_id: compute_pipeline(device, "read_id", READBACK_ID_MODULE, &[&layouts.readback_id]),
             layouts,

@@ -1,32 +1,28 @@
 //! The renderer: the stages of a frame, each a function of its own, and all of them in a row.
 
+mod color;
 mod maps;
 mod readback;
-
-use std::sync::{Arc, Mutex, PoisonError};
 
 use shadow_math::{
     depth::DEPTH_Z_OVER_W,
     plan::{LightPlan, ViewPlan},
-    shade::BACKGROUND,
 };
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, LightPasses, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
 use crate::{
     adapter::{AdapterSummary, choose_adapter, new_instance},
     buffers::{TABLE_WIDTH, buffer_with, decode_array, material_table, table_rows, triangle_table, vertex_table, word_table},
     clock::{Instant, milliseconds},
+    device::{BLENDABLE, DriverErrors, open_device},
     error::GpuError,
     limits::LimitCheck,
     passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
-    pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
+    pipelines::{DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
     shelf::{Kept, Shelf},
     wait::submitted_work,
 };
-
-/// What an adapter without memory says, and what to do about it.
-const OUT_OF_MEMORY: &str = "out of memory; render a smaller picture or smaller maps, use fewer lights, or the CPU backend";
 
 /// A renderer on one adapter.
 pub struct GpuRenderer {
@@ -34,8 +30,7 @@ pub struct GpuRenderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipelines: Pipelines,
-    /// The first error that the driver reported outside of any call that could return it.
-    driver_error: Arc<Mutex<Option<String>>>,
+    driver_errors: DriverErrors,
     textures: Shelf<wgpu::Texture>,
 }
 
@@ -105,35 +100,11 @@ impl GpuRenderer {
                 return Err(GpuError::Unsupported { adapter: summary.name, what });
             }
         }
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("shadow-gpu"),
-            // All that the adapter has: real scenes need buffers beyond WebGPU's smallest.
-            required_limits: adapter.limits(),
-            ..Default::default()
-        };
-        let (device, queue) = adapter
-            .request_device(&descriptor)
-            .await
-            .map_err(|source| GpuError::Device { adapter: summary.name.clone(), source })?;
-        let driver_error = Arc::new(Mutex::new(None));
-        let slot = Arc::clone(&driver_error);
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let message = match error {
-                wgpu::Error::OutOfMemory { .. } => OUT_OF_MEMORY.into(),
-                error => error.to_string(),
-            };
-            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        }));
-        let slot = Arc::clone(&driver_error);
-        device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device at the end is no error.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                let message = format!("the device was lost: {message}");
-                slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-            }
-        });
+        // Pictures can then be drawn in a pass for each light.
+        let features = adapter.features() & BLENDABLE;
+        let (device, queue, driver_errors) = open_device(&adapter, &summary, "shadow-gpu", features).await?;
         let pipelines = Pipelines::new(&device);
-        let renderer = Self { summary, device, queue, pipelines, driver_error, textures: Shelf::default() };
+        let renderer = Self { summary, device, queue, pipelines, driver_errors, textures: Shelf::default() };
         renderer.check_driver()?;
         Ok(renderer)
     }
@@ -157,10 +128,7 @@ impl GpuRenderer {
     }
 
     fn check_driver(&self) -> Result<(), GpuError> {
-        match self.driver_error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            None => Ok(()),
-            Some(message) => Err(GpuError::Driver { adapter: self.summary.name.clone(), message }),
-        }
+        self.driver_errors.check(&self.summary.name)
     }
 
     fn limits(&self) -> wgpu::Limits {
@@ -398,7 +366,7 @@ impl GpuRenderer {
         let mut encoder = self.encoder("visibility");
         for (light, light_plan) in (0..).zip(&plan.lights) {
             let target = layer_view(&texture, light);
-            let mut pass = full_screen_pass(&mut encoder, "visibility", &target, wgpu::Color::WHITE, &camera.depth);
+            let mut pass = full_screen_pass(&mut encoder, "visibility", &target, Some(wgpu::Color::WHITE), &camera.depth);
             let depth_kind = plan.views.get(light_plan.first_view as usize).map_or(DEPTH_Z_OVER_W, |view| view.depth_kind);
             pass.set_pipeline(&self.pipelines.visibility(&self.device, light_plan.filter, light_plan.bias, depth_kind));
             pass.set_bind_group(0, &scene.geometry, &[]);
@@ -407,50 +375,6 @@ impl GpuRenderer {
         }
         self.finish(encoder).await?;
         Ok(GpuVisibility { texture })
-    }
-
-    /// Computes the colour of every pixel. `camera` and `visibility` must be of the same plan, or of one with the same sizes.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Limit`] if it does not fit, [`GpuError::Driver`].
-    pub async fn color(
-        &self,
-        scene: &GpuScene,
-        plan: &FramePlan,
-        camera: &GpuCameraBuffer,
-        visibility: &GpuVisibility,
-    ) -> Result<GpuColor, GpuError> {
-        self.limit_check(&self.limits()).frame(plan)?;
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let texture = self.kept_texture("color", [plan.camera.width, plan.camera.height, 1], COLOR_FORMAT, usage);
-        let buffers = self.plan_buffers(plan);
-        let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
-        let visibilities = visibility.texture.create_view(&depth_array_view());
-        let group = self.bind(
-            "color",
-            &self.pipelines.layouts.color,
-            &[
-                buffers.camera.as_entire_binding(),
-                buffers.lights.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&ids),
-                wgpu::BindingResource::TextureView(&visibilities),
-            ],
-        );
-        let mut encoder = self.encoder("color");
-        {
-            let target = layer_view(&texture, 0);
-            let [r, g, b] = BACKGROUND.map(f64::from);
-            let background = wgpu::Color { r, g, b, a: 1.0 };
-            let mut pass = full_screen_pass(&mut encoder, "color", &target, background, &camera.depth);
-            pass.set_pipeline(&self.pipelines.color);
-            pass.set_bind_group(0, &scene.geometry, &[]);
-            pass.set_bind_group(1, &scene.surfaces, &[]);
-            pass.set_bind_group(2, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        self.finish(encoder).await?;
-        Ok(GpuColor { texture })
     }
 
     /// One block of uniforms after the other, each of the size and alignment that it is bound with.
@@ -508,7 +432,13 @@ impl GpuRenderer {
             _ => None,
         };
         let color = match (&camera, &visibility) {
-            (Some(camera), Some(visibility)) if request.color => Some(self.color(scene, plan, camera, visibility).await?),
+            (Some(camera), Some(visibility)) if request.color => {
+                if plan.light_passes == LightPasses::Each {
+                    Some(self.color_by_passes(scene, plan, camera, visibility).await?)
+                } else {
+                    Some(self.color(scene, plan, camera, visibility).await?)
+                }
+            }
             _ => None,
         };
         let shading_done = Instant::now();

@@ -47,6 +47,9 @@ shader_files! {
     RESOLVE_COLOR = "resolve_color",
     READBACK = "readback",
     READBACK_ID = "readback_id",
+    PROBE_DRAW = "probe_draw",
+    PROBE_READ = "probe_read",
+    PROBE_COMPARE = "probe_compare",
 }
 
 /// The files of the shadow map passes.
@@ -64,6 +67,13 @@ pub const COLOR_MODULE: &[ShaderFile] =
 pub const READBACK_MODULE: &[ShaderFile] = &[READBACK];
 /// The files that read triangle indices back.
 pub const READBACK_ID_MODULE: &[ShaderFile] = &[READBACK_ID];
+
+/// The files that draw a probe's triangles.
+pub const PROBE_DRAW_MODULE: &[ShaderFile] = &[PROBE_DRAW];
+/// The files that read a probe's depths back.
+pub const PROBE_READ_MODULE: &[ShaderFile] = &[PROBE_READ];
+/// The files that probe the comparison sampler.
+pub const PROBE_COMPARE_MODULE: &[ShaderFile] = &[PROBE_COMPARE];
 
 /// The source of a module.
 #[must_use]

@@ -65,10 +65,8 @@ impl RoundingBound {
         let [x_error, y_error, z_error, w_error] = row_errors(clip_from_world, extent);
         // A map's texel and a receiver's texel are each off by this, hence the factor 2; half the size is texels per unit of NDC.
         let texels_over_w = 2.0 * (0.5 * size) * (x_error.max(y_error) + w_error);
-        // Divisions and the change to texels on both sides, which round at the size of the map, and the depth plane's slopes.
-        let texels = (6.0 + PLANE_ROUNDINGS * MAX_TRIANGLE_LENGTH) * UNIT_ROUNDOFF * size;
+        let [texels, depth] = map_bound(size);
         let depth_over_w = 2.0 * (z_error + w_error);
-        let depth = 6.0 * UNIT_ROUNDOFF;
         // The receiver's point lies off the caster's plane by this many metres, which shows in depth at the rate of a
         // push along the axis, and in texels at the rate of a step to the side.
         let metres = POINT_ROUNDINGS * UNIT_ROUNDOFF * extent.truncate().length();
@@ -114,6 +112,14 @@ impl RoundingBound {
 pub fn step_rounding(steps: f32) -> f64 {
     let step = 1.0 / f64::from(steps);
     0.5 * step + 2.0 * UNIT_ROUNDOFF
+}
+
+/// The part of the bound that every view of a map of `size` texels has, in texels and in depth: what a rasteriser may be off by between the corners that it is
+/// given and the depth that it writes is within `texels (|g1| + |g2|) + depth`, for triangles up to [`MAX_TRIANGLE_LENGTH`].
+#[must_use]
+pub fn map_bound(size: f64) -> [f64; 2] {
+    // Divisions and the change to texels on both sides, which round at the size of the map, and the depth plane's slopes.
+    [(6.0 + PLANE_ROUNDINGS * MAX_TRIANGLE_LENGTH) * UNIT_ROUNDOFF * size, 6.0 * UNIT_ROUNDOFF]
 }
 
 /// The largest error of each row of a matrix over points with coordinates up to `extent`.

@@ -362,9 +362,25 @@ pub enum Terminator {
     /// Light ends where the facet turns away, all at once.
     #[default]
     Hard,
-    /// Light fades out towards there, by [`softened_terminator`](crate::shade::softened_terminator): no jump is left, but facets that turn from the light begin to show.
+    /// Light fades out before any facet can turn away, by [`softened_terminator`](crate::shade::softened_terminator): nothing is left of the zigzag, and the terminator moves toward the light, on coarse meshes by more.
     Soft,
 }
+
+/// How do shadows of several lights come together in the picture?
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Composition {
+    /// Each light is added where it is seen: OGRE's additive light masking.
+    #[default]
+    Additive,
+    /// All lights are added, seen or not, and what a light does not reach is darkened: multiplied by a colour, linear, each part from 0 to 1. OGRE's modulative shadows, whose colour is
+    /// [`OGRE_SHADOW_COLOR`] unless a program says otherwise. Highlights stay visible in shadow, and where two shadows overlap it is darker than ambient light makes it.
+    Modulative([f32; 3]),
+}
+
+/// The grey that OGRE multiplies by where it is not told another colour.
+pub const OGRE_SHADOW_COLOR: [f32; 3] = [0.25; 3];
 
 /// How a light's shadow is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]

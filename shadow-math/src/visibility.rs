@@ -87,7 +87,7 @@ fn known(visibility: f32) -> Lookup {
 
 /// What a receiver asks of the maps of a light. `views` are all views of the frame.
 ///
-/// The bias may move the lookup away from the receiver, along its normal. Known without a map are: 0 where the surface does not face the light; 1 behind the light, nearer than the near plane and outside
+/// The bias may move the lookup away from the receiver, along its normal. Known without a map are: 0 where the surface does not face the light; 1 for a light without views, from which nothing is shadowed, behind the light, nearer than the near plane and outside
 /// the map. What lies beyond the far plane is compared at the far plane's depth.
 #[inline(always)]
 #[must_use]
@@ -95,6 +95,9 @@ pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Loo
     let toward = toward_light(light, receiver.point);
     if !(receiver.normal.dot(toward) > 0.0) {
         return known(0.0);
+    }
+    if light.view_count == 0 {
+        return known(1.0);
     }
     let mut view_index = light.first_view;
     if light.split == SPLIT_CUBE {

@@ -245,7 +245,7 @@ impl SceneBuilder {
         }
         let base = self.vertices.positions.len() as u32;
         let bounds = Aabb::from_points(triangles.iter().flatten().map(|&i| vertices.positions[i as usize]));
-        self.instances.push(Instance { name, bounds, triangle_count: triangles.len() as u32 });
+        self.instances.push(Instance { name, bounds, triangle_count: triangles.len() as u32, casts_shadows: true });
         self.triangle_materials.extend(core::iter::repeat_n(material, triangles.len()));
         self.triangles.extend(triangles.into_iter().map(|t| t.map(|i| i + base)));
         self.vertices.positions.extend(vertices.positions);
@@ -288,7 +288,7 @@ impl SceneBuilder {
         if has_default_light {
             self.add_light("sun", sun());
         }
-        for SceneLight { name, light, shape } in &self.lights {
+        for SceneLight { name, light, shape, .. } in &self.lights {
             light
                 .validate()
                 .and_then(|()| shape.validate(&light.kind))
@@ -304,13 +304,14 @@ impl SceneBuilder {
             let what = if needles == 1 { "1 needle is" } else { &format!("{needles} needles are") };
             self.notes.push(format!("{what} not drawn: triangles whose height is no more than the rounding of their corners"));
         }
-        let (triangles, triangle_materials, pass_triangles) =
-            sort_by_pass(&self.materials, &areas, &self.triangles, &self.triangle_materials);
+        let Sorted { triangles, triangle_materials, triangle_instances, pass_triangles } =
+            sort_by_pass(&self.materials, &self.instances, &areas, &self.triangles, &self.triangle_materials);
         Ok(Scene {
             origin: self.origin,
             vertices: self.vertices,
             triangles,
             triangle_materials,
+            triangle_instances,
             pass_triangles,
             instances: self.instances,
             materials: self.materials,
@@ -326,36 +327,41 @@ impl SceneBuilder {
     }
 }
 
-/// The triangles and their materials, stably sorted by pass, and where each pass lies.
-#[allow(clippy::type_complexity, reason = "three parallel results of one sort, taken apart at once")]
+/// The triangles with what belongs to each, stably sorted by pass, and where each pass lies. Those without an area come last.
+struct Sorted {
+    triangles: Vec<[u32; 3]>,
+    triangle_materials: Vec<u32>,
+    triangle_instances: Vec<u32>,
+    pass_triangles: [core::ops::Range<u32>; Pass::COUNT],
+}
+
 fn sort_by_pass(
     materials: &[Material],
+    instances: &[Instance],
     areas: &[Area],
     triangles: &[[u32; 3]],
     triangle_materials: &[u32],
-) -> (Vec<[u32; 3]>, Vec<u32>, [core::ops::Range<u32>; Pass::COUNT]) {
+) -> Sorted {
     let passes: Vec<Pass> = materials.iter().map(Material::pass).collect();
-    let with_area = |is_wanted: bool| {
-        let triangles = triangles.iter().zip(triangle_materials).zip(areas);
-        triangles.filter(move |(_, area)| (**area == Area::Some) == is_wanted).map(|(triangle, _)| triangle)
-    };
-    let mut sorted = Vec::with_capacity(triangles.len());
-    let mut sorted_materials = Vec::with_capacity(triangles.len());
-    let ranges = Pass::ALL.map(|pass| {
-        let start = sorted.len() as u32;
-        for (triangle, &material) in with_area(true) {
-            if passes[material as usize] == pass {
-                sorted.push(*triangle);
-                sorted_materials.push(material);
-            }
-        }
-        start..sorted.len() as u32
+    // Instances were added one after the other, each with its triangles.
+    let of_instances = instances.iter().zip(0..).flat_map(|(instance, index)| (0..instance.triangle_count).map(move |_| index));
+    let triangle_instances: Vec<u32> = of_instances.collect();
+    let mut order: Vec<u32> = Vec::with_capacity(triangles.len());
+    let pass_triangles = Pass::ALL.map(|pass| {
+        let start = order.len() as u32;
+        let of_pass =
+            |index: &u32| areas[*index as usize] == Area::Some && passes[triangle_materials[*index as usize] as usize] == pass;
+        order.extend((0..triangles.len() as u32).filter(of_pass));
+        start..order.len() as u32
     });
-    for (triangle, &material) in with_area(false) {
-        sorted.push(*triangle);
-        sorted_materials.push(material);
+    order.extend((0..triangles.len() as u32).filter(|&index| areas[index as usize] != Area::Some));
+    let in_order = |values: &[u32]| order.iter().map(|&index| values[index as usize]).collect();
+    Sorted {
+        triangles: order.iter().map(|&index| triangles[index as usize]).collect(),
+        triangle_materials: in_order(triangle_materials),
+        triangle_instances: in_order(&triangle_instances),
+        pass_triangles,
     }
-    (sorted, sorted_materials, ranges)
 }
 
 /// What a triangle has of an area.

@@ -3,9 +3,14 @@
 use shadow_math::{
     Camera, PlanError, ShadowSettings,
     bounds::Aabb,
+    depth::LAYER_FIRST,
     exposure::Exposure,
     fit::MIN_NEAR_SHARE,
-    plan::{BIAS_BACK_FACES, CameraPlan, LightPlan, ViewPlan, plan_camera, plan_light, view_count},
+    plan::{
+        BIAS_BACK_FACES, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, COMPOSE_UNSHADOWED, CameraPlan, LightPlan,
+        ViewPlan, plan_camera, plan_light, plan_unshadowed_light, view_count,
+    },
+    settings::{Composition, MIN_MAP_SIZE},
 };
 
 use crate::scene::{Scene, SceneLight};
@@ -21,10 +26,22 @@ pub struct FramePlan {
     pub views: Vec<ViewPlan>,
     /// Width and height of every map in texels.
     pub map_size: u32,
+    /// Into how many passes the picture is taken apart.
+    pub light_passes: LightPasses,
     /// The exposure value (EV at ISO 100) that was chosen or given.
     pub ev: f32,
     /// What a person should know about the plan: rules that took effect at the cost of something.
     pub notes: Vec<String>,
+}
+
+/// Into how many passes a picture is taken apart. The picture is the same but for rounding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightPasses {
+    /// All lights in one pass.
+    #[default]
+    One,
+    /// A pass for each light, added to or multiplied with those before: see [`FramePlan::passes`].
+    Each,
 }
 
 /// Why the plan of a frame cannot be made.
@@ -43,6 +60,26 @@ pub enum FramePlanError {
         name: String,
         /// What is wrong.
         source: PlanError,
+    },
+    /// A part of the shadows' colour is not from 0 to 1.
+    #[error("a shadow color with {0} makes no sense; its parts are linear, from 0 (black) to 1 (no shadow)")]
+    ShadowColor(f32),
+    /// The maps take more memory than they may.
+    #[error(
+        "{maps} maps of {map_size} x {map_size} texels take {needed} bytes, and the budget is {allowed}; {}",
+        if *fitting >= MIN_MAP_SIZE { format!("maps of up to {fitting} texels fit, or fewer lights that cast shadows") } else { "take fewer lights that cast shadows".into() }
+    )]
+    Budget {
+        /// What they take, in bytes.
+        needed: u64,
+        /// What they may take, in bytes.
+        allowed: u64,
+        /// How many there are.
+        maps: u64,
+        /// Their size in texels.
+        map_size: u32,
+        /// The largest size in texels at which as many would fit.
+        fitting: u32,
     },
     /// The exposure value is not a usable number.
     #[error(
@@ -95,13 +132,20 @@ impl FramePlan {
             exposure = exposure.with_ev(ev);
         }
         let camera = plan_camera(camera, width, height, exposure, scene.lights().len() as u32).map_err(FramePlanError::Camera)?;
-        let casters: Vec<Aabb> = scene.instances().iter().map(|instance| instance.bounds).collect();
+        let casting = scene.instances().iter().filter(|instance| instance.casts_shadows);
+        let casters: Vec<Aabb> = casting.map(|instance| instance.bounds).collect();
+        // Where nothing was added at all, maps are fitted to the bounds that stand in for it.
+        let is_any_cast = !casters.is_empty() || scene.instances().is_empty();
         let mut lights = Vec::with_capacity(scene.lights().len());
         let mut views = Vec::new();
         for (index, light) in scene.lights().iter().enumerate() {
             let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
             let first = views.len();
             let settings = &ShadowSettings { map_size, ..settings(index, light) };
+            if !(light.casts_shadows && is_any_cast) {
+                lights.push(plan_unshadowed_light(&light.light, settings, first as u32).map_err(failed)?);
+                continue;
+            }
             let count = view_count(&light.light, settings).map_err(failed)?;
             views.resize(first + count, ViewPlan::default());
             let plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
@@ -109,7 +153,69 @@ impl FramePlan {
             lights.push(plan);
         }
         let notes = near_rule_note(scene, &lights, &views).into_iter().collect();
-        Ok(Self { camera, lights, views, map_size, ev: exposure.ev(), notes })
+        Ok(Self { camera, lights, views, map_size, light_passes: LightPasses::default(), ev: exposure.ev(), notes })
+    }
+
+    /// The same plan with another composition of lights and shadows.
+    ///
+    /// # Errors
+    ///
+    /// [`FramePlanError::ShadowColor`].
+    pub fn with_composition(mut self, composition: Composition) -> Result<Self, FramePlanError> {
+        (self.camera.composition, self.camera.shadow_color) = match composition {
+            Composition::Modulative(color) => {
+                if let Some(&part) = color.iter().find(|part| !(0.0..=1.0).contains(*part)) {
+                    return Err(FramePlanError::ShadowColor(part));
+                }
+                (COMPOSE_MODULATIVE, color)
+            }
+            _ => (COMPOSE_ADDITIVE, [1.0; 3]),
+        };
+        Ok(self)
+    }
+
+    /// The passes into which a picture of these lights can be taken apart, as programs do that know one light at a time. The first is drawn as it is; with additive composition the
+    /// others are added to it, one for each light, and with modulative composition it has all lights without any shadow, and the others multiply it.
+    #[must_use]
+    pub fn passes(&self) -> Vec<CameraPlan> {
+        let count = self.camera.light_count;
+        let is_additive = self.camera.composition == COMPOSE_ADDITIVE;
+        let first = if is_additive {
+            CameraPlan { light_count: 0, ..self.camera }
+        } else {
+            CameraPlan { composition: COMPOSE_UNSHADOWED, ..self.camera }
+        };
+        let of_light = |light: u32| CameraPlan {
+            first_light: light,
+            light_count: 1,
+            ambient: [0.0; 3],
+            composition: if is_additive { COMPOSE_ADDITIVE } else { COMPOSE_FACTOR },
+            ..self.camera
+        };
+        core::iter::once(first).chain((0..count).map(of_light)).collect()
+    }
+
+    /// How much memory the maps take, in bytes: 32 bits a texel, and as much as one more map where maps hold second surfaces, for the first.
+    #[must_use]
+    pub fn map_bytes(&self) -> u64 {
+        let scratch = self.views.iter().any(|view| view.depth_layer != LAYER_FIRST);
+        let maps = self.views.len() as u64 + u64::from(scratch);
+        maps * u64::from(self.map_size).pow(2) * size_of::<f32>() as u64
+    }
+
+    /// Whether the maps fit into so many bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`FramePlanError::Budget`], with the largest size of maps that would fit.
+    pub fn check_budget(&self, bytes: u64) -> Result<(), FramePlanError> {
+        let needed = self.map_bytes();
+        if needed <= bytes {
+            return Ok(());
+        }
+        let maps = needed / (u64::from(self.map_size).pow(2) * size_of::<f32>() as u64);
+        let fitting = (bytes as f64 / (maps * size_of::<f32>() as u64) as f64).sqrt().floor() as u32;
+        Err(FramePlanError::Budget { needed, allowed: bytes, maps, map_size: self.map_size, fitting })
     }
 
     /// The views of a light.
@@ -138,6 +244,7 @@ fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Op
         .iter()
         .zip(scene.lights())
         .enumerate()
+        .filter(|(_, (plan, _))| plan.view_count > 0)
         .filter_map(|(index, (plan, light))| {
             let view = &views[plan.first_view as usize];
             let [near, far] = view.depth_range;

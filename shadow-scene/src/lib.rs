@@ -21,7 +21,7 @@ pub mod compare;
 
 pub use builder::{Mesh, SceneBuilder, SceneError};
 pub use frame::{Frame, FrameMaps, Layer, LayerName, NO_TRIANGLE, Pixels, Request, StageTimes};
-pub use frame_plan::{FramePlan, FramePlanError};
+pub use frame_plan::{FramePlan, FramePlanError, LightPasses};
 pub use import::{Choice, ImportError, ImportOptions, import, import_with};
 pub use scene::{Alpha, Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Texture, Vertices, Wrap};
 pub use source::{AnimationFacts, ImageFacts, SourceFacts};

@@ -29,6 +29,8 @@ pub struct Scene {
     pub(crate) vertices: Vertices,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) triangle_materials: Vec<u32>,
+    /// The instance of each triangle.
+    pub(crate) triangle_instances: Vec<u32>,
     pub(crate) pass_triangles: [Range<u32>; Pass::COUNT],
     pub(crate) instances: Vec<Instance>,
     pub(crate) materials: Vec<Material>,
@@ -55,7 +57,7 @@ pub struct Vertices {
     pub colors: Vec<Vec4>,
 }
 
-/// The four runs that triangles are sorted into, in the order in which they are drawn.
+/// The runs that triangles are sorted into, in the order in which they are drawn. Those that cast no shadow are seen by the camera and not by lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Pass {
@@ -63,29 +65,69 @@ pub enum Pass {
     OpaqueSingleSided = 0,
     /// Opaque, both faces drawn.
     OpaqueDoubleSided = 1,
+    /// As the first, casting no shadow.
+    OpaqueSingleSidedUncast = 2,
+    /// As the second, casting no shadow.
+    OpaqueDoubleSidedUncast = 3,
     /// Alpha-tested, back faces culled by the camera.
-    MaskSingleSided = 2,
+    MaskSingleSided = 4,
     /// Alpha-tested, both faces drawn.
-    MaskDoubleSided = 3,
+    MaskDoubleSided = 5,
+    /// As the fifth, casting no shadow.
+    MaskSingleSidedUncast = 6,
+    /// As the sixth, casting no shadow.
+    MaskDoubleSidedUncast = 7,
 }
 
 impl Pass {
     /// How many passes there are.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 8;
     /// All passes in the order in which they are drawn.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::OpaqueSingleSided, Self::OpaqueDoubleSided, Self::MaskSingleSided, Self::MaskDoubleSided];
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::OpaqueSingleSided,
+        Self::OpaqueDoubleSided,
+        Self::OpaqueSingleSidedUncast,
+        Self::OpaqueDoubleSidedUncast,
+        Self::MaskSingleSided,
+        Self::MaskDoubleSided,
+        Self::MaskSingleSidedUncast,
+        Self::MaskDoubleSidedUncast,
+    ];
 
     /// Whether triangles of this pass are alpha-tested.
     #[must_use]
     pub fn is_masked(self) -> bool {
-        matches!(self, Self::MaskSingleSided | Self::MaskDoubleSided)
+        self as usize >= Self::MaskSingleSided as usize
     }
 
     /// Whether the camera culls back faces in this pass. Casters are never culled.
     #[must_use]
     pub fn culls_back_faces(self) -> bool {
-        matches!(self, Self::OpaqueSingleSided | Self::MaskSingleSided)
+        (self as usize).is_multiple_of(2)
+    }
+
+    /// Whether triangles of this pass cast shadows.
+    #[must_use]
+    pub fn casts_shadows(self) -> bool {
+        !matches!(
+            self,
+            Self::OpaqueSingleSidedUncast
+                | Self::OpaqueDoubleSidedUncast
+                | Self::MaskSingleSidedUncast
+                | Self::MaskDoubleSidedUncast
+        )
+    }
+
+    /// The pass of triangles that differ in that they cast no shadow.
+    #[must_use]
+    pub fn without_shadows(self) -> Self {
+        match self {
+            Self::OpaqueSingleSided => Self::OpaqueSingleSidedUncast,
+            Self::OpaqueDoubleSided => Self::OpaqueDoubleSidedUncast,
+            Self::MaskSingleSided => Self::MaskSingleSidedUncast,
+            Self::MaskDoubleSided => Self::MaskDoubleSidedUncast,
+            uncast => uncast,
+        }
     }
 }
 
@@ -98,6 +140,8 @@ pub struct Instance {
     pub bounds: Aabb,
     /// How many triangles it has.
     pub triangle_count: u32,
+    /// Whether it casts shadows.
+    pub casts_shadows: bool,
 }
 
 /// How a material treats its alpha.
@@ -143,7 +187,7 @@ impl Material {
         }
     }
 
-    /// The pass that draws it.
+    /// The pass that draws it if it casts shadows.
     #[must_use]
     pub fn pass(&self) -> Pass {
         match (self.alpha, self.double_sided) {
@@ -197,13 +241,15 @@ pub struct SceneLight {
     pub light: Light,
     /// How large it is; glTF's lights have no size.
     pub shape: LightShape,
+    /// Whether anything is shadowed from it. Where nothing is, all surfaces that face it are lit, and it needs no maps.
+    pub casts_shadows: bool,
 }
 
 impl SceneLight {
-    /// A light without a size.
+    /// A light without a size, which casts shadows.
     #[must_use]
     pub fn new(name: impl Into<String>, light: Light) -> Self {
-        Self { name: name.into(), light, shape: LightShape::Point }
+        Self { name: name.into(), light, shape: LightShape::Point, casts_shadows: true }
     }
 }
 
@@ -332,6 +378,41 @@ impl Scene {
     #[must_use]
     pub fn source(&self) -> &SourceFacts {
         &self.source
+    }
+
+    /// Whether a triangle casts shadows.
+    #[inline]
+    #[must_use]
+    pub fn casts_shadow(&self, triangle: u32) -> bool {
+        !Pass::ALL.into_iter().any(|pass| !pass.casts_shadows() && self.pass_triangles[pass as usize].contains(&triangle))
+    }
+
+    /// The same scene in which instances cast shadows as `casts` says of their index and of them.
+    #[must_use]
+    pub fn with_casters(mut self, casts: impl Fn(usize, &Instance) -> bool) -> Self {
+        let drawn: usize = self.pass_triangles.iter().map(ExactSizeIterator::len).sum();
+        for index in 0..self.instances.len() {
+            self.instances[index].casts_shadows = casts(index, &self.instances[index]);
+        }
+        let pass_of = |triangle: &u32| {
+            let pass = self.materials[self.triangle_materials[*triangle as usize] as usize].pass();
+            let casts = self.instances[self.triangle_instances[*triangle as usize] as usize].casts_shadows;
+            if casts { pass } else { pass.without_shadows() }
+        };
+        // A stable sort: within a pass triangles stay in the order in which they were added. Those without an area come last, in no pass.
+        let mut order: Vec<u32> = (0..drawn as u32).collect();
+        order.sort_by_key(|triangle| pass_of(triangle) as usize);
+        let mut first = 0;
+        self.pass_triangles = Pass::ALL.map(|pass| {
+            let start = first;
+            first += order.iter().skip(start as usize).take_while(|triangle| pass_of(triangle) == pass).count() as u32;
+            start..first
+        });
+        order.extend(drawn as u32..self.triangles.len() as u32);
+        self.triangles = order.iter().map(|&triangle| self.triangles[triangle as usize]).collect();
+        self.triangle_materials = order.iter().map(|&triangle| self.triangle_materials[triangle as usize]).collect();
+        self.triangle_instances = order.iter().map(|&triangle| self.triangle_instances[triangle as usize]).collect();
+        self
     }
 
     /// The same scene under other lights.

@@ -10,8 +10,8 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 use shadow_gpu::shaders::{
-    ALL, CAMERA_MODULE, COLOR_MODULE, READBACK_ID_MODULE, READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS,
-    VISIBILITY_MODULE, join,
+    ALL, CAMERA_MODULE, COLOR_MODULE, PROBE_COMPARE_MODULE, PROBE_DRAW_MODULE, PROBE_READ_MODULE, READBACK_ID_MODULE,
+    READBACK_MODULE, SHADOW_MAP_MODULE, ShaderFile, TABLE_WIDTH_BITS, VISIBILITY_MODULE, join,
 };
 use shadow_math::{
     bias::{GRADIENT_MARGIN, MAX_DEPTH_BIAS, OFFSET_SLOPE},
@@ -27,11 +27,12 @@ use shadow_math::{
     },
     plan::{
         BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
-        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC,
-        FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays,
-        SNAP_TEXELS, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE,
+        COMPOSE_UNSHADOWED, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_FOOTPRINT, FILTER_HARD,
+        FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SNAP_TEXELS, SPLIT_CUBE,
+        SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
     },
-    shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
+    shade::{INVERSE_PI, MAX_DEVIATION, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
     visibility::NO_VIEW,
 };
@@ -45,6 +46,9 @@ const MODULES: &[(&str, &[ShaderFile])] = &[
     ("color", COLOR_MODULE),
     ("readback", READBACK_MODULE),
     ("readback id", READBACK_ID_MODULE),
+    ("probe, drawing", PROBE_DRAW_MODULE),
+    ("probe, reading", PROBE_READ_MODULE),
+    ("probe, comparing", PROBE_COMPARE_MODULE),
 ];
 
 /// Files that no module of the renderer needs, and why they are there.
@@ -121,7 +125,21 @@ macro_rules! layout {
 fn layouts() -> Vec<Layout> {
     vec![
         layout!(PixelRays { origin, origin_dx, origin_dy, direction, direction_dx, direction_dy }),
-        layout!(CameraPlan { clip_x, clip_y, clip_z, clip_w, rays, ambient, exposure, width, height, light_count, padding }),
+        layout!(CameraPlan {
+            clip_x,
+            clip_y,
+            clip_z,
+            clip_w,
+            rays,
+            ambient,
+            exposure,
+            width,
+            height,
+            light_count,
+            first_light,
+            shadow_color,
+            composition
+        }),
         layout!(LightPlan {
             position,
             kind,
@@ -254,6 +272,10 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         BIAS_POLYGON_OFFSET,
         BIAS_OGRE_2006,
         CASTER_OGRE_2006,
+        COMPOSE_ADDITIVE,
+        COMPOSE_FACTOR,
+        COMPOSE_MODULATIVE,
+        COMPOSE_UNSHADOWED,
         CASTER_OGRE_2006_CORRECTED,
         CASTER_PLAIN,
         CASTER_POLYGON_OFFSET,
@@ -264,6 +286,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         LAYER_MIDPOINT,
         LAYER_SECOND,
         MAX_CASTER_SLOPE,
+        MAX_DEVIATION,
         TERMINATOR_HARD,
         TERMINATOR_SOFT,
         FILTER_HARD,

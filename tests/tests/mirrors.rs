@@ -32,7 +32,9 @@ use shadow_math::{
         MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
-    shade::{Surface, attenuation, shade_ambient, shade_light, softened_terminator},
+    shade::{
+        MAX_DEVIATION, Surface, attenuation, facet_deviation, shade_ambient, shade_light, shadow_factor, softened_terminator,
+    },
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
     vector::{normalized, row_times_point, row_times_vector, unit_normal},
@@ -982,48 +984,80 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "shade",
         functions: &["softened_terminator"],
-        statements: "output(0u, softened_terminator(input(0u), input(1u), input(2u)));",
-        inputs_each: 3,
+        statements: "output(0u, softened_terminator(input(0u), input(1u)));",
+        inputs_each: 2,
         inputs: |_, random| {
-            let edges = [[0.0; 3], [1.0; 3], [0.5, -0.5, 0.5], [0.5, 0.0, -1.0], [0.0, -1.0, 1.0]];
-            random.groups(&edges, |random| [random.unit(), random.within(-1.0, 1.0), random.within(-1.0, 1.0)])
+            let edges = [[0.0; 2], [1.0; 2], [0.5, 0.0], [0.25, 0.25], [0.5, 0.25]];
+            random.groups(&edges, |random| [random.unit(), random.within(0.0, MAX_DEVIATION)])
         },
+        // The share is a difference over the deviation.
+        twin: |_, i| vec![Number { value: softened_terminator(i[0], i[1]), scale: 1.0 + i[0] / i[1].max(1e-3) }],
+        bound: 8,
+        reason: "a difference, a quotient and three products",
+    },
+    Mirror {
+        file: "shade",
+        functions: &["facet_deviation"],
+        statements: "output(0u, facet_deviation(input3(0u), input3(3u), input3(6u), input3(9u)));",
+        inputs_each: 12,
+        inputs: |_, random| {
+            random.groups::<12>(&[], |random| {
+                let facet = random.vector(1.0).normalize_or(Vec3::Y);
+                let spread = [0.0, 0.1, 0.4][random.below(3) as usize];
+                let mut corner = || (facet + random.vector(spread)).normalize_or(facet);
+                let (a, b, c) = (corner(), corner(), corner());
+                let length = [1.0, 1e-20, 300.0][random.below(3) as usize];
+                let f = facet * length;
+                [f.x, f.y, f.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
+            })
+        },
+        // A small sine is the root of what is left of 1: it has lost half of its digits.
         twin: |_, i| {
-            // Beside the choice the ratio is near 1 on both sides of it.
-            vec![Number { value: softened_terminator(i[0], i[1], i[2]), scale: 1.0 }]
+            let value = facet_deviation(v3(i, 0), v3(i, 3), v3(i, 6), v3(i, 9));
+            vec![Number { value, scale: if value > 1e-3 { 1.0 / value } else { f32::INFINITY } }]
         },
-        bound: 6,
-        reason: "a quotient and three products",
+        bound: 8,
+        reason: "a normalised vector, three dot products and a square root",
     },
     Mirror {
         file: "shade",
         functions: &["shade_light"],
-        statements: "let surface = Surface(input3(1u), input3(4u), input3(7u), input3(10u), input3(13u), input(16u));
-            output3(0u, shade_light(u32(input(0u)), surface, input(17u)));",
-        inputs_each: 18,
-        inputs: |world, random| random.groups::<18>(&[], |random| world.light_and_surface(random)),
+        statements: "let surface = Surface(input3(1u), input3(4u), input(7u), input3(8u), input3(11u), input(14u));
+            output3(0u, shade_light(u32(input(0u)), surface, input(15u)));",
+        inputs_each: 16,
+        inputs: |world, random| random.groups::<16>(&[], |random| world.light_and_surface(random)),
         twin: |world, i| {
             let (light, surface) = (world.light(i[0]), surface(&i[1..]));
             let toward = toward_light(light, surface.point);
             let specular = (surface.shininess + 8.0) * (surface.shininess + 8.0);
             let scale = Vec3::from(light.intensity) * (surface.base_color + specular) * magnitude_of_attenuation(light, toward);
-            scaled(shade_light(light, &surface, i[17]), scale)
+            scaled(shade_light(light, &surface, i[15]), scale)
         },
         bound: 64,
         reason: "a power of a rounded cosine: its error times the exponent",
     },
     Mirror {
         file: "shade",
+        functions: &["shadow_factor"],
+        statements: "output3(0u, shadow_factor(input3(0u), input(3u)));",
+        inputs_each: 4,
+        inputs: |_, random| random.groups::<4>(&[[0.0; 4], [1.0; 4]], |random| [random.unit(), random.unit(), random.unit(), random.unit()]),
+        twin: |_, i| scaled(shadow_factor(v3(i, 0), i[3]), Vec3::ONE),
+        bound: 3,
+        reason: "two sums and a product",
+    },
+    Mirror {
+        file: "shade",
         functions: &["shade_ambient"],
-        statements: "let surface = Surface(input3(3u), input3(6u), input3(9u), input3(12u), input3(15u), input(18u));
+        statements: "let surface = Surface(input3(3u), input3(6u), input(9u), input3(10u), input3(13u), input(16u));
             output3(0u, shade_ambient(input3(0u), surface));",
-        inputs_each: 19,
+        inputs_each: 17,
         inputs: |world, random| {
-            random.groups(&[[0.0; 19]], |random| {
+            random.groups(&[[0.0; 17]], |random| {
                 let ambient = (random.vector(1.0) * 20_000.0).abs();
-                let mut group = [0.0; 19];
+                let mut group = [0.0; 17];
                 group[..3].copy_from_slice(&ambient.to_array());
-                group[3..].copy_from_slice(&world.light_and_surface(random)[1..17]);
+                group[3..].copy_from_slice(&world.light_and_surface(random)[1..15]);
                 group
             })
         },

@@ -27,35 +27,38 @@ fn frames(terminator: Terminator) -> [Frame; 2] {
     [on_cpu, pollster::block_on(renderers::gpu().render(&uploaded, &plan, Request::ALL)).expect("it fits").frame]
 }
 
-/// The largest step in brightness from a pixel that is dark because its facet turns away to a neighbour that is fully lit, and the brightness of the brightest pixel.
-fn largest_step(frame: &Frame) -> (f32, f32) {
+/// The mean step in brightness from pixels that are dark because their facet turns away to neighbours that are fully lit, and the brightness of the brightest pixel.
+fn mean_step(frame: &Frame) -> (f32, f32) {
     let color = frame.color().expect("it was asked for");
     let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("it was asked for");
     let triangles = frame.triangles().expect("they were asked for");
-    let mut largest: f32 = 0.0;
+    let mut steps = Vec::new();
     for y in 0..399 {
         for x in 0..399 {
             let here = y * 400 + x;
             for there in [here + 1, here + 400] {
                 let is_edge = visibility[here].min(visibility[there]) == 0.0 && visibility[here].max(visibility[there]) == 1.0;
                 if is_edge && triangles[here] != u32::MAX && triangles[there] != u32::MAX {
-                    largest = largest.max((color[here][0] - color[there][0]).abs());
+                    steps.push((color[here][0] - color[there][0]).abs());
                 }
             }
         }
     }
+    assert!(steps.len() > 100, "only {} edges", steps.len());
     let of_sphere = color.iter().zip(triangles).filter(|(_, triangle)| **triangle != u32::MAX);
-    (largest, of_sphere.map(|(color, _)| color[0]).fold(0.0, f32::max))
+    let most = of_sphere.map(|(color, _)| color[0]).fold(0.0, f32::max);
+    (steps.iter().sum::<f32>() / steps.len() as f32, most)
 }
 
 #[test]
-fn a_soft_terminator_leaves_a_tenth_of_the_step() {
+fn a_soft_terminator_leaves_no_step() {
     let [hard, soft] = [Terminator::Hard, Terminator::Soft].map(frames);
     for (hard, soft) in hard.iter().zip(&soft) {
-        let ((hard_step, hard_most), (soft_step, soft_most)) = (largest_step(hard), largest_step(soft));
-        // A facet of a sphere of 24 segments leans away by up to 7.5 degrees, whose sine is the light that is cut off.
-        assert!(hard_step > 0.05 * hard_most, "{hard_step} of {hard_most}");
-        assert!(soft_step < 0.1 * hard_step, "{soft_step} in place of {hard_step}");
+        let ((hard_step, hard_most), (soft_step, soft_most)) = (mean_step(hard), mean_step(soft));
+        // A facet of a sphere of 24 segments leans away by up to 7.5 degrees, whose sine is the most light that is cut off.
+        assert!(hard_step > 0.02 * hard_most, "{hard_step} of {hard_most}");
+        // Neighbours of a facet that turns away may deviate less than it, and have a little light left.
+        assert!(soft_step < 0.02 * hard_step, "{soft_step} in place of {hard_step}");
         // What faces the light stays as bright.
         assert!((hard_most - soft_most).abs() < 1e-3 * hard_most, "{hard_most} {soft_most}");
         assert_eq!(hard.floats(LayerName::Visibility { light: 0 }), soft.floats(LayerName::Visibility { light: 0 }));

@@ -13,6 +13,7 @@ Examples:
   shadow measure house.glb --report report      how wrong are its shadows, and why?
   shadow tune house.glb                         is the bias enough, and how wide are its gaps?
   shadow devices                                which graphics adapters there are
+  shadow probe                                  what does the adapter do where it has a choice?
 
 `shadow help COMMAND` explains a command's options.
 Exit codes: 0 done, 1 the thing asked about is not so (a comparison failed), 2 the request or the input is wrong,

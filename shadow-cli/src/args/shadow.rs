@@ -1,18 +1,59 @@
 //! How lights are shadowed: options that are the keys of settings files.
 
-use clap::Args as ClapArgs;
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, builder::PossibleValuesParser};
 use shadow_math::{Filter, Store, Terminator, Texels};
 
 use super::filter::FilterName;
 use crate::{
     bias::{BiasNames, BiasNumbers, gradient_numbers, offset_numbers},
     presets::Engine,
-    specs::{bias_metres, map_size},
+    specs::{ByteSize, Selector, bias_metres, map_size},
 };
 
 /// How lights are shadowed, but for the bias.
 #[derive(Clone, Debug, ClapArgs)]
 pub(crate) struct ShadowArgs {
+    /// How lights and shadows come together: additive (each light where it is seen) or modulative (all lights, darkened where one is not seen)
+    ///
+    /// additive is the sum of the lights that reach a surface. modulative multiplies the sum of all lights by a color wherever one of them is hidden, as OGRE's modulative shadows do: highlights stay
+    /// visible in shadow.
+    #[arg(long, value_name = "COMPOSITION", default_value = "additive", value_parser = PossibleValuesParser::new(["additive", "modulative"]), help_heading = "Shadows")]
+    pub(crate) composition: String,
+
+    /// What modulative shadows multiply by: linear, each part from 0 to 1 [default: 0.25,0.25,0.25, as OGRE]
+    #[arg(long, value_name = "R,G,B", value_parser = color_numbers, help_heading = "Shadows")]
+    pub(crate) shadow_color: Option<[f32; 3]>,
+
+    /// In how many passes lights are drawn: one for all of them, or each in its own
+    ///
+    /// With each, the passes are added up, or multiplied with modulative shadows, as engines do that know one light at a time. The picture is the same but for rounding.
+    #[arg(long, value_name = "one|each", default_value = "one", value_parser = PossibleValuesParser::new(["one", "each"]), help_heading = "Shadows")]
+    pub(crate) light_passes: String,
+
+    /// A light from which nothing is shadowed, by its name or number; can be given several times
+    #[arg(long = "no-shadow", value_name = "LIGHT", help_heading = "Shadows")]
+    pub(crate) no_shadow: Vec<Selector>,
+
+    /// An object that casts no shadow, by its name or number; can be given several times
+    ///
+    /// Numbers count from 0. A name stands for all objects that have it; a name that no object has is told which there are.
+    #[arg(long = "no-cast", value_name = "OBJECT", help_heading = "Shadows")]
+    pub(crate) no_cast: Vec<Selector>,
+
+    /// A settings file for one light in place of the options, by the light's name or number; can be given several times
+    ///
+    /// All maps are of one size: the file's map-size is not looked at.
+    #[arg(long = "light-settings", value_name = "LIGHT=FILE", value_parser = light_settings, help_heading = "Shadows")]
+    pub(crate) light_settings: Vec<LightSettings>,
+
+    /// The most memory that shadow maps may take, such as 64MiB [default: no limit of their own]
+    ///
+    /// Each map takes 4 bytes a texel. What would take more is refused, with the size of maps that fits.
+    #[arg(long, value_name = "SIZE", help_heading = "Shadows")]
+    pub(crate) shadow_budget: Option<ByteSize>,
+
     /// Width and height of each shadow map in texels, from 16 to 16384
     #[arg(
         long,
@@ -50,9 +91,38 @@ pub(crate) struct ShadowArgs {
     /// What becomes of light where the facets of smooth meshes turn away from it: hard or soft
     ///
     /// A facet that turns away is in its own shadow even where the mesh's smooth normal still faces the light. hard ends the light there, all at once and along the facets' edges; soft lets
-    /// it fade out towards there (Chiang, Li and Burley 2019), at the price that facets which lean away begin to show.
+    /// it fade out before any facet can turn away, at the price that the terminator moves toward the light: on coarse meshes by more.
     #[arg(long, value_name = "hard|soft", default_value = "hard", value_parser = terminator, help_heading = "Shadows")]
     pub(crate) terminator: Terminator,
+}
+
+/// A settings file for one light.
+#[derive(Clone, Debug)]
+pub(crate) struct LightSettings {
+    /// The light.
+    pub(crate) light: Selector,
+    /// The file.
+    pub(crate) path: PathBuf,
+}
+
+/// `LIGHT=FILE`.
+fn light_settings(text: &str) -> Result<LightSettings, String> {
+    let parts = text.split_once('=').filter(|(light, path)| !light.is_empty() && !path.is_empty());
+    let (light, path) = parts.ok_or_else(|| {
+        format!("`{text}` is no settings file of a light; write the light's name or number, an equals sign and the file, as 0=sun.toml")
+    })?;
+    Ok(LightSettings { light: Selector::from(light), path: path.into() })
+}
+
+/// Three numbers with commas, each from 0 to 1.
+fn color_numbers(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let color = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    color.filter(|color| color.iter().all(|part| (0.0..=1.0).contains(part))).ok_or_else(|| {
+        format!(
+            "`{text}` is not a shadow color; write three numbers from 0 (black) to 1 (no shadow) with commas, as 0.25,0.25,0.25"
+        )
+    })
 }
 
 /// What is stored, by its name.

@@ -147,6 +147,9 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     if args.rendering.backend == Backend::Trace {
         return Err(CliError::MeasureTrace);
     }
+    if !args.picture.shadows.light_settings.is_empty() {
+        return Err(CliError::LightSettings);
+    }
     // The tracer has threads of its own, whatever renders.
     check_machine(&args.machine, &[args.rendering.backend, Backend::Trace], &console)?;
     let technique = |path: &PathBuf| {

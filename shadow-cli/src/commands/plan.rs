@@ -135,7 +135,7 @@ impl<'a> Report<'a> {
 impl<'a> LightReport<'a> {
     fn of(job: &Job, light: usize, scene_light: &'a SceneLight, plan: &LightPlan) -> Self {
         let views = job.plan.views_of(light);
-        let settings = job.shadowing.of(&scene_light.light.kind);
+        let settings = &job.of_lights[light];
         Self {
             light,
             name: &scene_light.name,

@@ -11,7 +11,7 @@ use shadow_cpu::{
     measure::{Cause, Judge, Lengths, Needs, Onset, Trial, Trials},
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_math::{Filter, plan::BIAS_BACK_FACES};
+use shadow_math::{Filter, Store, plan::BIAS_BACK_FACES};
 use shadow_scene::{FrameMaps, LayerName, Request};
 
 use self::tries::{STEPS_OF_LIGHT, TRIED_SHARES, Tries};
@@ -236,6 +236,12 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
     if args.backend == Backend::Trace {
         return Err(CliError::MeasureTrace);
+    }
+    if !args.picture.shadows.light_settings.is_empty() {
+        return Err(CliError::LightSettings);
+    }
+    if args.picture.shadows.store != Store::Depth32 {
+        return Err(CliError::TuneStore(args.picture.shadows.store.name()));
     }
     let format = Format::of(&args.output)?;
     check_folder_of(&args.output)?;

@@ -1,7 +1,5 @@
 //! One of several things, chosen by its number or its name.
 
-use std::{convert::Infallible, str::FromStr};
-
 use crate::error::CliError;
 
 /// One of several things, by its number from 0 or by its name.
@@ -19,6 +17,15 @@ impl Selector {
         text.parse().map_or_else(|_| Self::Name(text.into()), Self::Index)
     }
 
+    /// The indices of all things that are meant among those of these names: of a name all that have it.
+    pub(crate) fn find_all(&self, kind: &'static str, names: &[String]) -> Result<Vec<usize>, CliError> {
+        let first = self.find(kind, names)?;
+        Ok(match self {
+            Self::Index(_) => vec![first],
+            Self::Name(wanted) => (0..names.len()).filter(|&index| names[index] == *wanted).collect(),
+        })
+    }
+
     /// The index of the thing among those of these names. A name that several have is the first's.
     pub(crate) fn find(&self, kind: &'static str, names: &[String]) -> Result<usize, CliError> {
         let (found, asked) = match self {
@@ -29,11 +36,9 @@ impl Selector {
     }
 }
 
-impl FromStr for Selector {
-    type Err = Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(Self::new(text))
+impl From<&str> for Selector {
+    fn from(text: &str) -> Self {
+        Self::new(text)
     }
 }
 

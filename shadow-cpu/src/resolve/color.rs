@@ -4,7 +4,7 @@ use shadow_math::{
     glam::{Vec2, Vec3},
     material::{NO_TEXTURE, texture_taps},
     plan::{CameraPlan, LightPlan},
-    shade::{Surface, shade_ambient, shade_light},
+    shade::{Surface, facet_deviation, shade_ambient, shade_light, shadow_factor},
     triangle::pixel_ray,
     vector::normalized,
 };
@@ -21,6 +21,8 @@ pub(crate) struct SurfaceSpan {
     shininess: Numbers,
     normal: Vectors,
     toward_viewer: Vectors,
+    /// What lights with a soft terminator ask for; 0 where there are none.
+    deviation: Numbers,
 }
 
 /// The texels around the samples of a span, decoded, and their weights.
@@ -36,6 +38,7 @@ impl SurfaceSpan {
         shininess: [1.0; SPAN],
         normal: Vectors::ZERO,
         toward_viewer: Vectors::ZERO,
+        deviation: [0.0; SPAN],
     };
 
     /// The surfaces of the span that begins at pixel (`x`, `y`).
@@ -67,10 +70,19 @@ impl SurfaceSpan {
         Surface {
             point: hits.point.get(i),
             normal: self.normal.get(i),
-            geometric_normal: hits.normal.get(i),
+            deviation: self.deviation[i],
             toward_viewer: self.toward_viewer.get(i),
             base_color: self.base_color.get(i),
             shininess: self.shininess[i],
+        }
+    }
+
+    /// How far the triangles lean away from their smooth normals.
+    #[inline(always)]
+    pub(crate) fn deviate(&mut self, corners: &Corners, hits: &Hits) {
+        for i in 0..SPAN {
+            let [n0, n1, n2] = corners.normals(i);
+            self.deviation[i] = facet_deviation(hits.normal.get(i), n0, n1, n2);
         }
     }
 
@@ -90,6 +102,23 @@ impl SurfaceSpan {
         for i in 0..SPAN {
             radiance.set(i, radiance.get(i) + shade_light(&light, &self.surface(hits, i), visibility[i]));
         }
+    }
+
+    /// Adds one light wherever it would fall, and multiplies the factor of all shadows by its own.
+    #[inline(always)]
+    pub(crate) fn add_unshadowed(
+        &self,
+        camera: &CameraPlan,
+        light: &LightPlan,
+        hits: &Hits,
+        visibility: &Numbers,
+        (radiance, factor): (&mut Vectors, &mut Vectors),
+    ) {
+        let color = Vec3::new(camera.shadow_color[0], camera.shadow_color[1], camera.shadow_color[2]);
+        for i in 0..SPAN {
+            factor.set(i, factor.get(i) * shadow_factor(color, visibility[i]));
+        }
+        self.add_light(light, hits, &[1.0; SPAN], radiance);
     }
 
     /// The materials' part: base colour and shininess.

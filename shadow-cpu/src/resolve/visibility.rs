@@ -76,6 +76,9 @@ pub(crate) fn span_visibility(
 /// The view that all pixels of a span ask.
 #[inline(always)]
 fn common_view(light: &LightPlan, hits: &Hits, count: usize) -> Option<u32> {
+    if light.view_count == 0 {
+        return None;
+    }
     if light.split == SPLIT_SINGLE {
         return Some(light.first_view);
     }

@@ -92,7 +92,7 @@ impl GpuRenderer {
         }
         pass.set_vertex_buffer(0, scene.positions.slice(..));
         pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for run in Pass::ALL {
+        for run in Pass::ALL.into_iter().filter(|run| run.casts_shadows()) {
             let triangles = scene.passes[run as usize].clone();
             if triangles.is_empty() {
                 continue;

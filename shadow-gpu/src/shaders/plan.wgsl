@@ -18,6 +18,11 @@ const BIAS_BACK_FACES: u32 = 64u;
 const BIAS_POLYGON_OFFSET: u32 = 128u;
 const BIAS_OGRE_2006: u32 = 256u;
 
+const COMPOSE_ADDITIVE: u32 = 0u;
+const COMPOSE_MODULATIVE: u32 = 1u;
+const COMPOSE_UNSHADOWED: u32 = 2u;
+const COMPOSE_FACTOR: u32 = 3u;
+
 const FILTER_HARD: u32 = 0u;
 const FILTER_BILINEAR: u32 = 1u;
 const FILTER_SEPARABLE: u32 = 2u;
@@ -50,7 +55,9 @@ struct CameraPlan {
     width: u32,
     height: u32,
     light_count: u32,
-    padding: u32,
+    first_light: u32,
+    shadow_color: vec3f,
+    composition: u32,
 }
 
 struct LightPlan {

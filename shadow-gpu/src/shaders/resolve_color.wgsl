@@ -18,14 +18,26 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     let surface = Surface(
         hit.point,
         turned_to_viewer(normal, hit.normal, ray),
-        turned_to_viewer(hit.normal, hit.normal, ray),
+        facet_deviation(hit.normal, n0, n1, n2),
         normalized(-ray.direction),
         base.xyz,
         fetch_material(corners.w).shininess,
     );
     var radiance = shade_ambient(camera.ambient, surface);
-    for (var light = 0u; light < camera.light_count; light++) {
-        radiance += shade_light(light, surface, textureLoad(visibilities, vec2u(vec2f(x, y)), light, 0).x);
+    var factor = vec3f(1.0, 1.0, 1.0);
+    for (var light = camera.first_light; light < camera.first_light + camera.light_count; light++) {
+        var seen_share = textureLoad(visibilities, vec2u(vec2f(x, y)), light, 0).x;
+        if camera.composition != COMPOSE_ADDITIVE {
+            factor *= shadow_factor(camera.shadow_color, seen_share);
+            seen_share = 1.0;
+        }
+        radiance += shade_light(light, surface, seen_share);
+    }
+    if camera.composition == COMPOSE_FACTOR {
+        return vec4f(factor, 1.0);
+    }
+    if camera.composition == COMPOSE_MODULATIVE {
+        radiance *= factor;
     }
     return vec4f(radiance * camera.exposure, 1.0);
 }

@@ -3,12 +3,13 @@
 const INVERSE_PI: f32 = 0.318309886;
 const SPECULAR_REFLECTANCE: f32 = 0.04;
 const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
+const MAX_DEVIATION: f32 = 0.333333343;
 const MIN_HIGHLIGHT: f32 = 8.6736174e-19;
 
 struct Surface {
     point: vec3f,
     normal: vec3f,
-    geometric_normal: vec3f,
+    deviation: f32,
     toward_viewer: vec3f,
     base_color: vec3f,
     shininess: f32,
@@ -32,14 +33,19 @@ fn attenuation(light: u32, toward: vec3f) -> f32 {
     return window / squared * (cone * cone);
 }
 
-fn softened_terminator(cosine: f32, geometric_cosine: f32, between: f32) -> f32 {
-    let facing = max(geometric_cosine, 0.0);
-    let expected = cosine * between;
-    var ratio = 1.0;
-    if expected > facing {
-        ratio = facing / expected;
+fn facet_deviation(facet_normal: vec3f, n0: vec3f, n1: vec3f, n2: vec3f) -> f32 {
+    let facet = unit_normal(facet_normal);
+    let nearest = min(min(abs(dot3(n0, facet)), abs(dot3(n1, facet))), abs(dot3(n2, facet)));
+    let sine = sqrt(max(1.0 - nearest * nearest, 0.0));
+    return min(sine, MAX_DEVIATION);
+}
+
+fn softened_terminator(cosine: f32, deviation: f32) -> f32 {
+    if !(deviation > 0.0) {
+        return 1.0;
     }
-    return ratio + ratio * ratio * (1.0 - ratio);
+    let share = min(max((cosine - deviation) / deviation, 0.0), 1.0);
+    return share * share * (3.0 - 2.0 * share);
 }
 
 fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
@@ -47,8 +53,7 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
     let direction = normalized(toward);
     var cosine = max(dot3(surface.normal, direction), 0.0);
     if lights[light].terminator == TERMINATOR_SOFT {
-        let facet = unit_normal(surface.geometric_normal);
-        cosine *= softened_terminator(cosine, dot3(facet, direction), dot3(surface.normal, facet));
+        cosine *= softened_terminator(cosine, surface.deviation);
     }
     let illuminance = attenuation(light, toward) * cosine * visibility;
     let half_way = normalized(direction + surface.toward_viewer);
@@ -65,4 +70,8 @@ fn shade_light(light: u32, surface: Surface, visibility: f32) -> vec3f {
 
 fn shade_ambient(ambient: vec3f, surface: Surface) -> vec3f {
     return surface.base_color * INVERSE_PI * ambient;
+}
+
+fn shadow_factor(shadow_color: vec3f, visibility: f32) -> vec3f {
+    return shadow_color + (vec3f(1.0, 1.0, 1.0) - shadow_color) * visibility;
 }

@@ -52,6 +52,9 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if !(dot3(receiver.normal, toward) > 0.0) {
         return known_lookup(0.0);
     }
+    if lights[light].view_count == 0u {
+        return known_lookup(1.0);
+    }
     var view = lights[light].first_view;
     if lights[light].split == SPLIT_CUBE {
         view += cube_face_of(-toward);

@@ -4,8 +4,8 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::data::{
     BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
-    BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan,
-    MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
+    BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT,
+    LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
 };
 use super::error::PlanError;
 use crate::{
@@ -66,7 +66,9 @@ pub fn plan_camera(
         width,
         height,
         light_count,
-        padding: 0,
+        first_light: 0,
+        shadow_color: [1.0; 3],
+        composition: COMPOSE_ADDITIVE,
     };
     let CameraPlan { clip_x, clip_y, clip_z, clip_w, ambient, exposure, .. } = plan;
     let is_finite = are_finite(&[&clip_x, &clip_y, &clip_z, &clip_w, &ambient, &[exposure]]) && has_finite_rays(&plan.rays);
@@ -114,44 +116,14 @@ pub fn plan_light(
     let count = view_count(light, settings)?;
     let given = views.len();
     let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
-    let mut plan = LightPlan {
-        intensity: (light.color * light.intensity).to_array(),
-        cone_offset: 1.0,
-        first_view,
-        view_count: count as u32,
-        split: if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE },
-        ..LightPlan::default()
-    };
-    plan.texel_shift = settings.texels.shift();
-    plan.terminator = match settings.terminator {
-        Terminator::Hard => TERMINATOR_HARD,
-        Terminator::Soft => TERMINATOR_SOFT,
-    };
-    set_filter(&mut plan, settings.filter, settings.filter_radius)?;
-    set_bias(&mut plan, settings.bias)?;
+    let mut plan = plan_unshadowed_light(light, settings, first_view)?;
+    plan.view_count = count as u32;
+    plan.split = if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE };
     check_store(settings)?;
     let guard = guard_texels(&plan, settings.bias);
     // A map has to have texels left within its guard bands.
     if size <= 2 * guard {
         return Err(PlanError::MapTooSmallForFilter { size, filter: settings.filter, guard });
-    }
-    match light.kind {
-        LightKind::Directional { direction } => {
-            plan.kind = LIGHT_DIRECTIONAL;
-            plan.position = (-direction.as_dvec3().normalize()).as_vec3().to_array();
-        }
-        LightKind::Spot { position, direction, inner, outer, range } => {
-            plan.kind = LIGHT_SPOT;
-            plan.position = position.to_array();
-            plan.axis = direction.as_dvec3().normalize().as_vec3().to_array();
-            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
-            (plan.cone_scale, plan.cone_offset) = cone_falloff(inner, outer);
-        }
-        LightKind::Point { position, range } => {
-            plan.kind = LIGHT_POINT;
-            plan.position = position.to_array();
-            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
-        }
     }
 
     let limit = f64::from(light.range());
@@ -171,7 +143,48 @@ pub fn plan_light(
             }
         }
     }
-    if is_usable_light(&plan) && views.iter().all(is_usable_view) { Ok(plan) } else { Err(PlanError::LightOverflow) }
+    if views.iter().all(is_usable_view) { Ok(plan) } else { Err(PlanError::LightOverflow) }
+}
+
+/// The plan of a light from which nothing is shadowed: it has no views, and lights whatever faces it.
+///
+/// # Errors
+///
+/// What is wrong with the light, the filter or the bias.
+pub fn plan_unshadowed_light(light: &Light, settings: &ShadowSettings, first_view: u32) -> Result<LightPlan, PlanError> {
+    light.validate()?;
+    let mut plan = LightPlan {
+        intensity: (light.color * light.intensity).to_array(),
+        cone_offset: 1.0,
+        first_view,
+        texel_shift: settings.texels.shift(),
+        terminator: match settings.terminator {
+            Terminator::Hard => TERMINATOR_HARD,
+            Terminator::Soft => TERMINATOR_SOFT,
+        },
+        ..LightPlan::default()
+    };
+    set_filter(&mut plan, settings.filter, settings.filter_radius)?;
+    set_bias(&mut plan, settings.bias)?;
+    match light.kind {
+        LightKind::Directional { direction } => {
+            plan.kind = LIGHT_DIRECTIONAL;
+            plan.position = (-direction.as_dvec3().normalize()).as_vec3().to_array();
+        }
+        LightKind::Spot { position, direction, inner, outer, range } => {
+            plan.kind = LIGHT_SPOT;
+            plan.position = position.to_array();
+            plan.axis = direction.as_dvec3().normalize().as_vec3().to_array();
+            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
+            (plan.cone_scale, plan.cone_offset) = cone_falloff(inner, outer);
+        }
+        LightKind::Point { position, range } => {
+            plan.kind = LIGHT_POINT;
+            plan.position = position.to_array();
+            plan.inverse_range = range.map_or(0.0, |range| 1.0 / range);
+        }
+    }
+    if is_usable_light(&plan) { Ok(plan) } else { Err(PlanError::LightOverflow) }
 }
 
 /// Whether rounding to f32 left every number finite.

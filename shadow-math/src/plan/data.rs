@@ -45,6 +45,15 @@ pub const BIAS_POLYGON_OFFSET: u32 = 128;
 /// A bit of [`LightPlan::bias`]: casters are drawn deeper as the article's shader does.
 pub const BIAS_OGRE_2006: u32 = 256;
 
+/// [`CameraPlan::composition`]: each light is added by its visibility.
+pub const COMPOSE_ADDITIVE: u32 = 0;
+/// [`CameraPlan::composition`]: all lights are added, and each shadow darkens the sum.
+pub const COMPOSE_MODULATIVE: u32 = 1;
+/// [`CameraPlan::composition`]: all lights are added, and nothing is shadowed.
+pub const COMPOSE_UNSHADOWED: u32 = 2;
+/// [`CameraPlan::composition`]: what shadows multiply the picture by, and no light.
+pub const COMPOSE_FACTOR: u32 = 3;
+
 /// [`LightPlan::filter`]: one test.
 pub const FILTER_HARD: u32 = 0;
 /// [`LightPlan::filter`]: four tests, weighted bilinearly.
@@ -111,8 +120,12 @@ pub struct CameraPlan {
     pub height: u32,
     /// How many lights there are.
     pub light_count: u32,
-    /// Padding to a multiple of 16 bytes.
-    pub padding: u32,
+    /// The first of them that is drawn.
+    pub first_light: u32,
+    /// What shadows are multiplied by, linear; for [`COMPOSE_MODULATIVE`] and [`COMPOSE_FACTOR`].
+    pub shadow_color: [f32; 3],
+    /// [`COMPOSE_ADDITIVE`] or another of its kind.
+    pub composition: u32,
 }
 
 /// How a light shines and is shadowed.

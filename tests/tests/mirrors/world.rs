@@ -93,7 +93,8 @@ impl World {
 
     /// Gives every fourth receiver's texel the depth that the receiver is just lit by, or the next one below, by which it is not.
     pub(super) fn plant_ties(&mut self) {
-        for (index, group) in self.receivers.iter().enumerate().step_by(4) {
+        // No more than leaves most of the noise as it is.
+        for (index, group) in self.receivers.iter().enumerate().take(8 * COUNT).step_by(4) {
             let (light, receiver) = receiver(self, group);
             let found = lookup(light, &self.globals.views, &receiver);
             if found.view != NO_VIEW {
@@ -125,12 +126,12 @@ impl World {
     }
 
     /// A light, a surface and a visibility.
-    pub(super) fn light_and_surface(&self, random: &mut Random) -> [f32; 18] {
+    pub(super) fn light_and_surface(&self, random: &mut Random) -> [f32; 16] {
         let [light, x, y, z] = self.light_and_point(random);
         let toward = toward_light(self.light(light), Vec3::new(x, y, z)).normalize_or(Vec3::X);
         let normal = random.vector(1.0).normalize_or(Vec3::Y);
-        // Facets lie near the smooth surface; some of them lie flat on it.
-        let facet = if random.below(4) == 0 { normal } else { (normal + random.vector(0.5)).normalize_or(normal) };
+        // Some surfaces are flat.
+        let deviation = if random.below(4) == 0 { 0.0 } else { random.within(0.01, MAX_DEVIATION) };
         // Half of the viewers look from where the highlight is.
         let mirrored = 2.0 * normal.dot(toward) * normal - toward;
         let viewer = if random.below(2) == 0 { random.vector(1.0) } else { mirrored + random.vector(0.1) }.normalize_or(Vec3::Z);
@@ -139,8 +140,8 @@ impl World {
         let visibility = [0.0, 1.0, random.unit(), 0.75][random.below(4) as usize];
         let base = [random.unit(), random.unit(), random.unit()];
         [
-            light, x, y, z, normal.x, normal.y, normal.z, facet.x, facet.y, facet.z, viewer.x, viewer.y, viewer.z, base[0],
-            base[1], base[2], shininess, visibility,
+            light, x, y, z, normal.x, normal.y, normal.z, deviation, viewer.x, viewer.y, viewer.z, base[0], base[1], base[2],
+            shininess, visibility,
         ]
     }
 
@@ -437,10 +438,10 @@ pub(super) fn surface(i: &[f32]) -> Surface {
     Surface {
         point: v3(i, 0),
         normal: v3(i, 3),
-        geometric_normal: v3(i, 6),
-        toward_viewer: v3(i, 9),
-        base_color: v3(i, 12),
-        shininess: i[15],
+        deviation: i[6],
+        toward_viewer: v3(i, 7),
+        base_color: v3(i, 10),
+        shininess: i[13],
     }
 }
 

@@ -64,6 +64,9 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
     if backends.contains(&Backend::Trace) {
         return Err(CliError::FiltersOfTrace);
     }
+    if !args.picture.shadows.light_settings.is_empty() {
+        return Err(CliError::LightSettings);
+    }
     let job = Job::resolve(&args.picture, &args.bias, console)?;
     memory::check(&job, Work::Bench(backends))?;
     // What is more is measured against the hard test, whether it was asked for or not.

@@ -102,7 +102,8 @@ pub(super) fn run(args: &SettingsArgs, given: &GivenBias, to: System) -> Result<
     let camera = scene.cameras()[0].camera;
     let plan = Shadowing::alike(settings).plan(&scene, &camera, (1, 1), None)?;
     let light = &scene.lights()[index];
-    let place = place(&plan.views_of(index)[0], Kind::of(&light.light.kind), settings.map_size, args.at, angle)?;
+    let view = plan.views_of(index).first().ok_or_else(|| CliError::NoMap(light.name.clone()))?;
+    let place = place(view, Kind::of(&light.light.kind), settings.map_size, args.at, angle)?;
     let conversion = convert(given, to, &place).map_err(CliError::Conversion)?;
 
     let mut notes = scene.notes().to_vec();
