@@ -41,6 +41,18 @@ pub(crate) enum CliError {
         "--store {0} has no meaning with tune: what engines do is tried on maps of depth32, for which their rules are stated; leave it out (shadow measure judges every store)"
     )]
     TuneStore(&'static str),
+    /// A view of a light's maps, of a light without any.
+    #[error("light {light} casts no shadows and has no maps to show; choose another light, or leave --no-shadow out")]
+    LightWithoutMaps {
+        /// The light as it was asked for.
+        light: crate::specs::Selector,
+    },
+    /// A picture that is no layer, as numbers.
+    #[error("`{0}` is a picture and has no numbers that EXR could hold; write it to a .png file")]
+    DebugViewAsNumbers(String),
+    /// A view of shadow maps, where rays are sent.
+    #[error("`{0}` is made of shadow maps, which --backend trace has none of; use --backend cpu or gpu")]
+    DebugViewOfTrace(String),
     /// Nothing to compare another tracer with.
     #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
     RivalWithoutTracer,

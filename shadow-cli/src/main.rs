@@ -6,6 +6,8 @@
 
 #![forbid(unsafe_code)]
 
+mod debug_view;
+mod colors;
 mod args;
 mod specs;
 mod bias;

@@ -21,8 +21,8 @@ use crate::{
 /// then still be drawn for a point light (six of them), and a larger request is more likely a slip of the hand than a plan.
 const FALLBACK_LIMIT: u64 = 16 << 30;
 
-/// Bytes of a vertex in a scene: position and normal (12 each), texture coordinates (8), colour (16).
-const VERTEX: u64 = 12 + 12 + 8 + 16;
+/// Bytes of a vertex in a scene: position and normal (12 each), texture coordinates (8), colour (16), and how far facets lean away from it (4).
+const VERTEX: u64 = 12 + 12 + 8 + 16 + 4;
 /// Bytes of a vertex in the CPU backend: its position again (12), what shading reads of it (32) and its place in the window (24).
 const CPU_VERTEX: u64 = 12 + 32 + 24;
 /// Bytes of a triangle in a scene: three indices and a material.
@@ -35,8 +35,8 @@ const CPU_TRIANGLE: u64 = 2 * 44 + 36;
 const TRACE_TRIANGLE: u64 = 48 + 4 * 48 + 36 + 130 + 24;
 /// Bytes of what a ray of the camera saw.
 const SEEN: u64 = 32;
-/// Bytes of a vertex in the GPU backend: all that it has three times while it is brought there, and its position once more.
-const GPU_VERTEX: u64 = 3 * VERTEX + 12;
+/// Bytes of a vertex in the GPU backend: four texels of 16 bytes, three times while they are brought there, and its position once more.
+const GPU_VERTEX: u64 = 3 * 64 + 12;
 /// Bytes of a triangle in the GPU backend: the same with its indices.
 const GPU_TRIANGLE: u64 = 3 * 16 + 12;
 /// Bytes of a texel in a scene, and again in either backend.

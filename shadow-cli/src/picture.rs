@@ -47,6 +47,16 @@ impl Picture {
         Self { width, height, samples: Samples::Rgb(pixels) }
     }
 
+    /// The pixel at a place from 0 to 1 on each axis, rows from the top.
+    pub(crate) fn nearest(&self, x: f64, y: f64) -> [u8; 3] {
+        let at = |share: f64, size: u32| ((share * f64::from(size)) as u32).min(size.saturating_sub(1));
+        let index = at(y, self.height) as usize * self.width as usize + at(x, self.width) as usize;
+        match &self.samples {
+            Samples::Grey(bytes) => [bytes[index]; 3],
+            Samples::Rgb(pixels) => pixels[index],
+        }
+    }
+
     fn grey(layer: &Layer, bytes: impl Iterator<Item = u8>) -> Self {
         Self { width: layer.width, height: layer.height, samples: Samples::Grey(bytes.collect()) }
     }

@@ -68,10 +68,11 @@ impl Job {
     }
 
     /// The layer that is to be shown, once it is known that there is one.
+    /// A debug view is made of the picture.
     pub(crate) fn layer(&self, show: &Show) -> Result<LayerName, CliError> {
         let light_index = |selector: &Selector| selector.find("light", &self.light_names());
         Ok(match show {
-            Show::Color => LayerName::Color,
+            Show::Color | Show::Debug(..) => LayerName::Color,
             Show::Depth => LayerName::Depth,
             Show::Visibility(light) => LayerName::Visibility { light: light_index(light)? as u32 },
             Show::ShadowMap(light, view) => {

@@ -23,7 +23,7 @@ pub(crate) use self::{
     selector::{Selector, inventory},
     units::{angle, bias_metres, distance, exposure_value, seconds},
 };
-use crate::args::Backend;
+use crate::{args::Backend, debug_view::DebugView};
 
 /// The largest width and height of a picture in pixels.
 const MAX_PICTURE_SIZE: u32 = 16_384;
@@ -67,6 +67,8 @@ pub(crate) enum Show {
     Depth,
     /// A shadow map: the light and the number of its view.
     ShadowMap(Selector, usize),
+    /// A view that explains the frame, of a light and of one of its views.
+    Debug(DebugView, Selector, usize),
 }
 
 impl FromStr for Show {
@@ -82,7 +84,17 @@ impl FromStr for Show {
                 let (light, view) = rest.map_or(("0", "0"), |rest| rest.split_once(':').unwrap_or((rest, "0")));
                 Self::ShadowMap(Selector::new(light), view.parse().map_err(|_| SpecError::View(view.into()))?)
             }
-            _ => return Err(SpecError::Layer(text.into())),
+            (name, rest) => {
+                let found = DebugView::ALL.into_iter().find(|(known, _)| *known == name);
+                let (_, view) = found.ok_or_else(|| SpecError::Layer(text.into()))?;
+                let (light, number) = match rest {
+                    None => ("0", "0"),
+                    Some(rest) if view.is_of_view() => rest.split_once(':').unwrap_or((rest, "0")),
+                    Some(rest) if view.is_of_light() => (rest, "0"),
+                    Some(_) => return Err(SpecError::Layer(text.into())),
+                };
+                Self::Debug(view, Selector::new(light), number.parse().map_err(|_| SpecError::View(number.into()))?)
+            }
         })
     }
 }

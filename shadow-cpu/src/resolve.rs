@@ -198,7 +198,7 @@ impl Kernel for RowKernel<'_> {
             if wants_color {
                 surfaces.sample(view, &plan.camera, (x, y), &corners, &hits, seen.len());
                 if is_any_soft {
-                    surfaces.deviate(&corners, &hits);
+                    surfaces.deviate(view.scene.deviations(), &corners, &hits);
                 }
                 surfaces.ambient(&plan.camera, &hits, &mut radiance);
                 factor = Vectors([[1.0; SPAN]; 3]);

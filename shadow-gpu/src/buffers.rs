@@ -95,15 +95,17 @@ fn full_rows<T: bytemuck::Zeroable>(mut texels: Vec<T>) -> Vec<T> {
     texels
 }
 
-/// The vertices as `geometry.wgsl` reads them: position and u, normal and v, colour.
+/// The vertices as `geometry.wgsl` reads them: position and u, normal and v, colour, and how far facets lean away from the normal.
 pub(crate) fn vertex_table(scene: &Scene) -> Vec<[f32; 4]> {
     let vertices = scene.vertices();
-    let mut texels = Vec::with_capacity(vertices.positions.len() * 3 + TABLE_WIDTH as usize);
-    let streams = vertices.positions.iter().zip(&vertices.normals).zip(&vertices.uvs).zip(&vertices.colors);
-    for (((position, normal), uv), color) in streams {
+    let mut texels = Vec::with_capacity(vertices.positions.len() * 4 + TABLE_WIDTH as usize);
+    let streams =
+        vertices.positions.iter().zip(&vertices.normals).zip(&vertices.uvs).zip(&vertices.colors).zip(scene.deviations());
+    for ((((position, normal), uv), color), deviation) in streams {
         texels.push(position.extend(uv.x).to_array());
         texels.push(normal.extend(uv.y).to_array());
         texels.push(color.to_array());
+        texels.push([*deviation, 0.0, 0.0, 0.0]);
     }
     full_rows(texels)
 }

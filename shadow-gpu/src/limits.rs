@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Texels of a vertex in its table.
-const VERTEX_TEXELS: u64 = 3;
+const VERTEX_TEXELS: u64 = 4;
 
 pub(crate) struct LimitCheck<'a> {
     pub(crate) adapter: &'a str,

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use shadow_math::{Camera, CameraError, Light, LightError, LightKind, Projection, bounds::Aabb};
 
 use crate::{
-    scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices},
+    scene::{Image, Instance, Material, Pass, Scene, SceneCamera, SceneLight, Vertices, vertex_deviations},
     source::SourceFacts,
 };
 
@@ -308,6 +308,7 @@ impl SceneBuilder {
             sort_by_pass(&self.materials, &self.instances, &areas, &self.triangles, &self.triangle_materials);
         Ok(Scene {
             origin: self.origin,
+            deviations: vertex_deviations(&self.vertices, &triangles),
             vertices: self.vertices,
             triangles,
             triangle_materials,

@@ -7,6 +7,7 @@ use shadow_math::{
     Camera, Light, LightShape, Receiver,
     bounds::Aabb,
     plan::PixelRays,
+    shade::facet_deviation,
     triangle::{Ray, TrianglePoint, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
 };
 
@@ -27,6 +28,8 @@ use crate::source::SourceFacts;
 pub struct Scene {
     pub(crate) origin: DVec3,
     pub(crate) vertices: Vertices,
+    /// How far the facets around each vertex lean away from its normal.
+    pub(crate) deviations: Vec<f32>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) triangle_materials: Vec<u32>,
     /// The instance of each triangle.
@@ -262,6 +265,25 @@ pub struct SceneCamera {
     pub camera: Camera,
 }
 
+/// What [`Scene::deviations`] gives.
+pub(crate) fn vertex_deviations(vertices: &Vertices, triangles: &[[u32; 3]]) -> Vec<f32> {
+    let mut deviations = vec![0.0_f32; vertices.positions.len()];
+    for triangle in triangles {
+        let corners = triangle.map(|corner| corner as usize);
+        let [p0, p1, p2] = corners.map(|corner| vertices.positions[corner]);
+        let [n0, n1, n2] = corners.map(|corner| vertices.normals[corner]);
+        let facet = (p1 - p0).cross(p2 - p0);
+        // A triangle without an area is not drawn.
+        if facet.length_squared() > 0.0 {
+            let deviation = facet_deviation(facet, n0, n1, n2);
+            for corner in corners {
+                deviations[corner] = deviations[corner].max(deviation);
+            }
+        }
+    }
+    deviations
+}
+
 impl Scene {
     /// The point, in metres of the file's world space, that all coordinates of the scene are relative to.
     #[must_use]
@@ -273,6 +295,14 @@ impl Scene {
     #[must_use]
     pub fn vertices(&self) -> &Vertices {
         &self.vertices
+    }
+
+    /// For each vertex, how far a triangle that has it leans away from the normals at any of its corners, at most: [`facet_deviation`].
+    ///
+    /// Interpolated over a triangle it is at least the triangle's own deviation, and it goes on without a step in the next one.
+    #[must_use]
+    pub fn deviations(&self) -> &[f32] {
+        &self.deviations
     }
 
     /// Three vertex indices for each triangle; counter-clockwise seen from the front.

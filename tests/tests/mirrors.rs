@@ -32,9 +32,7 @@ use shadow_math::{
         MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
-    shade::{
-        MAX_DEVIATION, Surface, attenuation, facet_deviation, shade_ambient, shade_light, shadow_factor, softened_terminator,
-    },
+    shade::{MAX_DEVIATION, Surface, attenuation, shade_ambient, shade_light, shadow_factor, softened_terminator},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
     vector::{normalized, row_times_point, row_times_vector, unit_normal},
@@ -994,30 +992,6 @@ const TABLE: &[Mirror] = &[
         twin: |_, i| vec![Number { value: softened_terminator(i[0], i[1]), scale: 1.0 + i[0] / i[1].max(1e-3) }],
         bound: 8,
         reason: "a difference, a quotient and three products",
-    },
-    Mirror {
-        file: "shade",
-        functions: &["facet_deviation"],
-        statements: "output(0u, facet_deviation(input3(0u), input3(3u), input3(6u), input3(9u)));",
-        inputs_each: 12,
-        inputs: |_, random| {
-            random.groups::<12>(&[], |random| {
-                let facet = random.vector(1.0).normalize_or(Vec3::Y);
-                let spread = [0.0, 0.1, 0.4][random.below(3) as usize];
-                let mut corner = || (facet + random.vector(spread)).normalize_or(facet);
-                let (a, b, c) = (corner(), corner(), corner());
-                let length = [1.0, 1e-20, 300.0][random.below(3) as usize];
-                let f = facet * length;
-                [f.x, f.y, f.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
-            })
-        },
-        // A small sine is the root of what is left of 1: it has lost half of its digits.
-        twin: |_, i| {
-            let value = facet_deviation(v3(i, 0), v3(i, 3), v3(i, 6), v3(i, 9));
-            vec![Number { value, scale: if value > 1e-3 { 1.0 / value } else { f32::INFINITY } }]
-        },
-        bound: 8,
-        reason: "a normalised vector, three dot products and a square root",
     },
     Mirror {
         file: "shade",

@@ -224,11 +224,12 @@ Examples:
   shadow man bench | man -l -";
 
 /// What `--show` takes, in a line.
-pub(super) const SHOW_HELP: &str = "What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]";
+pub(super) const SHOW_HELP: &str =
+    "What to draw: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]], or a view that explains (see --help)";
 
 /// What `--show` takes and what its pictures mean. Both texts have brackets that a doc comment would take for links.
 pub(super) const SHOW_LONG_HELP: &str = "\
-What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
+What to draw: a layer of the frame, or a view that explains it
 
   color                the picture, in sRGB
   visibility[:LIGHT]   how much of a light reaches each pixel:
@@ -239,6 +240,24 @@ What to draw: color, visibility[:LIGHT], depth or shadow-map[:LIGHT[:VIEW]]
   shadow-map[:LIGHT[:VIEW]]
                        the same as the light sees it: black is a
                        texel without a caster
+
+Views that explain, as PNG alone (docs/gallery.md shows them all):
+
+  mini-screen[:LIGHT[:VIEW]]
+                       the picture with a shadow map in its corner
+  light-view[:LIGHT[:VIEW]]
+                       what the light sees, lit, at the map's size
+  distance-match[:LIGHT]
+                       green where the map holds the surface's own
+                       distance, blue where something is nearer to the
+                       light, red where what it holds is farther
+  unshadowed           the picture without any shadow
+  shadows              what shadows take from it
+  texels[:LIGHT]       the picture under a chequered grid of texels
+  bias[:LIGHT]         the bias as a length: black none, white the most
+  taps[:LIGHT]         how many depth tests a pixel takes
+  cause                why pixels are wrong, against traced truth, in
+                       the colors of shadow measure
 
 LIGHT is a light's number from 0 or its name, VIEW the number of one
 of its views (a point light has six: +x -x +y -y +z -z); both are 0 if

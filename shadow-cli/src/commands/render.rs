@@ -15,11 +15,13 @@ use crate::{
     args::{Backend, RenderArgs},
     backend::{RenderedFrame, check_machine, has_sized_light},
     console::{Console, count, print, print_json},
+    debug_view::{DebugView, Explained, Wanted, explain},
     error::CliError,
     memory::{self, Work},
     output::{Format, check_output_path, write_layer, write_picture},
     picture::pictures,
     resolve::{Job, request_for},
+    specs::Show,
 };
 
 /// The report for programs.
@@ -94,6 +96,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
         console.note("shadow maps are drawn for a light's centre, so that its shadows are hard; --backend trace shows its size");
     }
     memory::check(&job, Work::Render(args.rendering.backend, layer, format))?;
+    if let Show::Debug(view, light, light_view) = &args.show {
+        let wanted = Wanted { view: *view, light, light_view: *light_view };
+        return explained(&wanted, args, &job, format, &console);
+    }
 
     let rendered = args.rendering.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
@@ -120,6 +126,45 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
         output: args.output.display().to_string(),
     };
     if args.json { print_json(&report) } else { print(&sentences(&report, &job, &rendered, &layer.to_string())) }?;
+    Ok(Verdict::Done)
+}
+
+/// Writes a picture that explains the frame.
+fn explained(wanted: &Wanted<'_>, args: &RenderArgs, job: &Job, format: Format, console: &Console) -> Result<Verdict, CliError> {
+    let name = DebugView::ALL.into_iter().find(|(_, view)| *view == wanted.view).map_or("", |(name, _)| name);
+    if format == Format::Exr {
+        return Err(CliError::DebugViewAsNumbers(name.into()));
+    }
+    if args.rendering.backend == Backend::Trace && wanted.view != DebugView::Unshadowed {
+        return Err(CliError::DebugViewOfTrace(name.into()));
+    }
+    let Explained { picture, width, height, legend, rendered } =
+        explain(wanted, job, args.rendering.backend, &args.machine, console)?;
+    console.stage(format!("writing {}", args.output.display()));
+    write_picture(&args.output, &picture)?;
+    console.finish();
+    let mut notes = job.notes.clone();
+    if !legend.is_empty() {
+        notes.push(legend.clone());
+    }
+    let report = Report {
+        scene: &job.scene_name,
+        notes: &notes,
+        backend: args.rendering.backend.name(),
+        adapter: rendered.adapter.as_ref().map(|adapter| adapter.name.as_str()),
+        triangles: job.scene.triangles().len(),
+        width,
+        height,
+        milliseconds: rendered.times.into(),
+        light_samples: None,
+        output: args.output.display().to_string(),
+    };
+    if args.json {
+        print_json(&report)?;
+    } else {
+        let text = sentences(&report, job, &rendered, name);
+        print(&if legend.is_empty() { text } else { format!("{text}{legend}\n") })?;
+    }
     Ok(Verdict::Done)
 }
 

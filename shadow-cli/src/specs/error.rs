@@ -42,7 +42,9 @@ pub(crate) enum SpecError {
     #[error("`{0}` is not a number")]
     NotANumber(String),
     /// Not a layer.
-    #[error("there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]]")]
+    #[error(
+        "there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]], and the views mini-screen[:LIGHT[:VIEW]], light-view[:LIGHT[:VIEW]], distance-match[:LIGHT], texels[:LIGHT], bias[:LIGHT], taps[:LIGHT], unshadowed, shadows and cause"
+    )]
     Layer(String),
     /// Not the number of a view.
     #[error("`{0}` is not the number of a view; a light's views count from 0")]

@@ -4,7 +4,7 @@ use shadow_math::{
     glam::{Vec2, Vec3},
     material::{NO_TEXTURE, texture_taps},
     plan::{CameraPlan, LightPlan},
-    shade::{Surface, facet_deviation, shade_ambient, shade_light, shadow_factor},
+    shade::{Surface, shade_ambient, shade_light, shadow_factor},
     triangle::pixel_ray,
     vector::normalized,
 };
@@ -79,10 +79,10 @@ impl SurfaceSpan {
 
     /// How far the triangles lean away from their smooth normals.
     #[inline(always)]
-    pub(crate) fn deviate(&mut self, corners: &Corners, hits: &Hits) {
+    pub(crate) fn deviate(&mut self, deviations: &[f32], corners: &Corners, hits: &Hits) {
         for i in 0..SPAN {
-            let [n0, n1, n2] = corners.normals(i);
-            self.deviation[i] = facet_deviation(hits.normal.get(i), n0, n1, n2);
+            let [d0, d1, d2] = corners.indices(i).map(|corner| deviations[corner]);
+            self.deviation[i] = d0 + (d1 - d0) * hits.u[i] + (d2 - d0) * hits.v[i];
         }
     }
 

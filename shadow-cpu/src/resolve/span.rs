@@ -137,14 +137,8 @@ impl Corners {
     /// The interpolated normal, of any length, of pixel `i` at the place (`u`, `v`) of its triangle.
     #[inline(always)]
     pub(crate) fn normal(&self, i: usize, u: f32, v: f32) -> Vec3 {
-        let [n0, n1, n2] = self.normals(i);
+        let [n0, n1, n2] = [self.normal[0].get(i), self.normal[1].get(i), self.normal[2].get(i)];
         n0 + (n1 - n0) * u + (n2 - n0) * v
-    }
-
-    /// The normals at the corners of pixel `i`'s triangle.
-    #[inline(always)]
-    pub(crate) fn normals(&self, i: usize) -> [Vec3; 3] {
-        [self.normal[0].get(i), self.normal[1].get(i), self.normal[2].get(i)]
     }
 
     /// The vertices of pixel `i`.

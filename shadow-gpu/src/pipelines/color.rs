@@ -35,7 +35,8 @@ impl Blend {
 pub(crate) struct ColorPipelines {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    made: Mutex<HashMap<Blend, wgpu::RenderPipeline>>,
+    /// By how a pass meets those before it, and whether any light has a soft terminator.
+    made: Mutex<HashMap<(Blend, bool), wgpu::RenderPipeline>>,
 }
 
 impl ColorPipelines {
@@ -46,16 +47,17 @@ impl ColorPipelines {
             made: Mutex::default(),
         };
         // What a driver has against the module is to be known from the beginning.
-        pipelines.get(device, Blend::Replace);
+        pipelines.get(device, Blend::Replace, false);
         pipelines
     }
 
-    pub(crate) fn get(&self, device: &wgpu::Device, blend: Blend) -> wgpu::RenderPipeline {
+    pub(crate) fn get(&self, device: &wgpu::Device, blend: Blend, is_any_soft: bool) -> wgpu::RenderPipeline {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || {
+            let constants = [("ASKS_FOR_DEVIATION", f64::from(is_any_soft))];
             let target = wgpu::ColorTargetState { blend: blend.state(), ..COLOR_FORMAT.into() };
-            full_screen_pipeline(device, "resolve_color", &self.module, &self.layout, &[], target)
+            full_screen_pipeline(device, "resolve_color", &self.module, &self.layout, &constants, target)
         };
-        made.entry(blend).or_insert_with(make).clone()
+        made.entry((blend, is_any_soft)).or_insert_with(make).clone()
     }
 }

@@ -1,7 +1,7 @@
 //! The colour of every pixel: in one pass, or in one for each light.
 
 use shadow_math::{
-    plan::{COMPOSE_ADDITIVE, CameraPlan},
+    plan::{COMPOSE_ADDITIVE, CameraPlan, TERMINATOR_SOFT},
     shade::BACKGROUND,
 };
 use shadow_scene::FramePlan;
@@ -66,6 +66,7 @@ impl GpuRenderer {
         let ids = camera.ids.create_view(&wgpu::TextureViewDescriptor::default());
         let visibilities = visibility.texture.create_view(&depth_array_view());
         let blend_of_lights = if plan.camera.composition == COMPOSE_ADDITIVE { Blend::Add } else { Blend::Multiply };
+        let is_any_soft = plan.lights.iter().any(|light| light.terminator == TERMINATOR_SOFT);
         let mut encoder = self.encoder("color");
         for (index, pass_plan) in passes.iter().enumerate() {
             let pass_buffer = buffer_with(&self.device, "pass", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(pass_plan));
@@ -84,7 +85,7 @@ impl GpuRenderer {
             let background = (index == 0).then_some(wgpu::Color { r, g, b, a: 1.0 });
             let blend = if index == 0 { Blend::Replace } else { blend_of_lights };
             let mut pass = full_screen_pass(&mut encoder, "color", &target, background, &camera.depth);
-            pass.set_pipeline(&self.pipelines.color.get(&self.device, blend));
+            pass.set_pipeline(&self.pipelines.color.get(&self.device, blend, is_any_soft));
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &scene.surfaces, &[]);
             pass.set_bind_group(2, &group, &[]);

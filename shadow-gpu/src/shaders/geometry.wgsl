@@ -3,7 +3,7 @@
 // Rows of so many texels: the smallest widest texture that WebGPU promises is twice as wide.
 const TABLE_WIDTH_BITS: u32 = 12u;
 
-// Three texels a vertex: position and u; normal and v; colour.
+// Four texels a vertex: position and u; normal and v; colour; how far facets lean away from the normal.
 @group(0) @binding(0) var vertices: texture_2d<f32>;
 // A texel a triangle: three vertex indices and a material.
 @group(0) @binding(1) var triangles: texture_2d<u32>;
@@ -24,11 +24,15 @@ fn fetch_triangle(triangle: u32) -> vec4u {
 }
 
 fn fetch_vertex(vertex: u32, part: u32) -> vec4f {
-    return textureLoad(vertices, table_texel(3u * vertex + part), 0);
+    return textureLoad(vertices, table_texel(4u * vertex + part), 0);
 }
 
 fn vertex_position(vertex: u32) -> vec3f {
     return fetch_vertex(vertex, 0u).xyz;
+}
+
+fn vertex_deviation(vertex: u32) -> f32 {
+    return fetch_vertex(vertex, 3u).x;
 }
 
 fn vertex_attributes(vertex: u32) -> VertexAttributes {

@@ -6,6 +6,8 @@
 @group(2) @binding(2) var seen: texture_2d<u32>;
 @group(2) @binding(3) var visibilities: texture_2d_array<f32>;
 
+override ASKS_FOR_DEVIATION: bool = false;
+
 fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     let ray = pixel_ray(camera.rays, x, y);
     let hit = scene_point(triangle, ray);
@@ -15,10 +17,18 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     let n1 = vertex_attributes(corners.y).normal;
     let n2 = vertex_attributes(corners.z).normal;
     let normal = normalized(n0 + (n1 - n0) * hit.u + (n2 - n0) * hit.v);
+    // Only lights with a soft terminator ask for it, and three more texels are a price.
+    var deviation = 0.0;
+    if ASKS_FOR_DEVIATION {
+        let d0 = vertex_deviation(corners.x);
+        let d1 = vertex_deviation(corners.y);
+        let d2 = vertex_deviation(corners.z);
+        deviation = d0 + (d1 - d0) * hit.u + (d2 - d0) * hit.v;
+    }
     let surface = Surface(
         hit.point,
         turned_to_viewer(normal, hit.normal, ray),
-        facet_deviation(hit.normal, n0, n1, n2),
+        deviation,
         normalized(-ray.direction),
         base.xyz,
         fetch_material(corners.w).shininess,

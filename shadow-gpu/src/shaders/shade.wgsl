@@ -3,7 +3,6 @@
 const INVERSE_PI: f32 = 0.318309886;
 const SPECULAR_REFLECTANCE: f32 = 0.04;
 const SPECULAR_SCALE: f32 = SPECULAR_REFLECTANCE * 0.125 * INVERSE_PI;
-const MAX_DEVIATION: f32 = 0.333333343;
 const MIN_HIGHLIGHT: f32 = 8.6736174e-19;
 
 struct Surface {
@@ -31,13 +30,6 @@ fn attenuation(light: u32, toward: vec3f) -> f32 {
     let cosine = -(axis.x * toward.x + axis.y * toward.y + axis.z * toward.z) / distance;
     let cone = min(max(cosine * lights[light].cone_scale + lights[light].cone_offset, 0.0), 1.0);
     return window / squared * (cone * cone);
-}
-
-fn facet_deviation(facet_normal: vec3f, n0: vec3f, n1: vec3f, n2: vec3f) -> f32 {
-    let facet = unit_normal(facet_normal);
-    let nearest = min(min(abs(dot3(n0, facet)), abs(dot3(n1, facet))), abs(dot3(n2, facet)));
-    let sine = sqrt(max(1.0 - nearest * nearest, 0.0));
-    return min(sine, MAX_DEVIATION);
 }
 
 fn softened_terminator(cosine: f32, deviation: f32) -> f32 {

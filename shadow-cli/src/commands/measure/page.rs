@@ -6,6 +6,7 @@ use shadow_scene::{Layer, LayerName, Pixels};
 
 use super::{CountsReport, MIB, Milliseconds, Report, Shown, TechniqueReport, percent, plot};
 use crate::{
+    colors::{color_of, heat},
     error::CliError,
     page::{escaped, notes},
     picture::{Picture, encode_color},
@@ -17,20 +18,6 @@ const REGION: u32 = 64;
 const REGIONS: usize = 4;
 /// How many times a region is magnified.
 const MAGNIFICATION: u32 = 4;
-
-/// The colour of a cause, for pictures and for the table's heading.
-fn color_of(cause: Cause) -> [u8; 3] {
-    match cause {
-        Cause::Coverage => [150, 150, 150],
-        Cause::Terminator => [170, 110, 40],
-        Cause::Seam => [0, 190, 190],
-        Cause::Filter => [90, 130, 255],
-        Cause::Aliasing => [60, 180, 75],
-        Cause::Acne => [230, 25, 75],
-        Cause::PeterPanning => [245, 130, 48],
-        Cause::Leak => [240, 50, 230],
-    }
-}
 
 /// What a cause is, in a few words.
 fn meaning_of(cause: Cause) -> &'static str {
@@ -254,15 +241,4 @@ fn cause_map(color: &Pixmap, causes: &[u8]) -> Pixmap {
         }
     });
     Pixmap { width: color.width, height: color.height, pixels: pixels.collect() }
-}
-
-/// An error from 0 to 1 as a colour: black, red, yellow, white.
-fn heat(error: f32) -> [u8; 3] {
-    if error == 0.0 {
-        return [0; 3];
-    }
-    // A floor of a fifth keeps small errors visible beside none.
-    let heat = 0.2 + 0.8 * error.clamp(0.0, 1.0);
-    let channel = |from: f32| ((heat - from) * 3.0 * 255.0).clamp(0.0, 255.0) as u8;
-    [channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0)]
 }
