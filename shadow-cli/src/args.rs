@@ -5,6 +5,7 @@
 mod filter;
 mod help;
 mod probe;
+mod settings;
 mod shadow;
 
 use std::path::PathBuf;
@@ -20,11 +21,12 @@ use shadow_scene::Choice;
 
 use self::help::{
     BENCH_HELP, COMPARE_EXAMPLES, COMPLETIONS_EXAMPLES, EXAMPLES, INFO_EXAMPLES, MAN_EXAMPLES, MEASURE_HELP, PLAN_EXAMPLES,
-    RENDER_EXAMPLES, SETTINGS_EXAMPLES, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
+    RENDER_EXAMPLES, SETTINGS_HELP, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
 pub(crate) use self::{
     filter::{FilterList, FilterName},
     probe::ProbeArgs,
+    settings::{DEFAULT_ANGLE_DEGREES, SettingsArgs},
     shadow::{BiasArgs, LightSettings, ShadowArgs},
 };
 use crate::specs::{
@@ -57,8 +59,13 @@ impl Args {
     }
 }
 
-/// A usage error with a hint for those who name a scene without a command.
+/// A usage error with a hint for those who name a scene without a command, or a preset beside what it says.
 pub(crate) fn with_hint(mut usage: clap::Error) -> clap::Error {
+    if usage.kind() == ErrorKind::ArgumentConflict && usage.to_string().contains("'--preset <") {
+        let hint = "to change a preset, print it with `shadow settings --preset NAME`: as a file for `shadow measure --settings`, and as options";
+        usage.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+        return usage;
+    }
     let Some(ContextValue::String(typed)) = usage.get(ContextKind::InvalidSubcommand) else { return usage };
     // A command has no dot, colon or slash in it, and a scene's name has one.
     if usage.kind() == ErrorKind::InvalidSubcommand && typed.contains(['.', ':', '/', '\\']) {
@@ -133,12 +140,14 @@ pub(crate) enum Command {
     /// The exit code is 0 if the automatic bias leaves no acne and 1 if it does.
     #[command(after_long_help = TUNE_HELP)]
     Tune(TuneArgs),
-    /// Print the default settings file, with comments
+    /// Print a settings file, with comments, or convert a bias between engines
     ///
-    /// Prints all that a settings file can say, in TOML. Change what is to differ, leave out the rest, and give the file to
-    /// `shadow measure --settings`.
-    #[command(after_help = SETTINGS_EXAMPLES)]
-    Settings,
+    /// Prints all that a settings file can say, in TOML: the defaults, or with --preset those of an engine. Change what is to differ, leave
+    /// out the rest, and give the file to `shadow measure --settings`.
+    ///
+    /// With --convert it prints no file, but what a bias in one engine's numbers is in metres and in another's, for a light of a scene.
+    #[command(after_long_help = SETTINGS_HELP)]
+    Settings(SettingsArgs),
     /// List the graphics adapters that the GPU backend can use
     Devices(DevicesArgs),
     /// Measure what a graphics adapter does where WebGPU leaves it a choice
@@ -386,7 +395,7 @@ pub(crate) struct BenchArgs {
     ///
     /// Each is drawn in turn on each backend, and compared with a hard test: how long visibility and shading take together, and how long each further
     /// depth test takes of that.
-    #[arg(long, value_name = "LIST", conflicts_with_all = ["filter", "filter_radius"], help_heading = "Shadows")]
+    #[arg(long, value_name = "LIST", conflicts_with_all = ["filter", "filter_radius", "preset"], help_heading = "Shadows")]
     pub(crate) filters: Option<FilterList>,
 
     /// A program that sends the same rays through another tracer, with --backends trace
@@ -473,7 +482,10 @@ pub(crate) struct MeasureArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["map_size", "filter", "filter_radius", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient"],
+        conflicts_with_all = [
+            "preset", "map_size", "filter", "filter_radius", "store", "texels", "terminator", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient",
+            "bias_offset", "bias_push"
+        ],
         help_heading = "Shadows"
     )]
     pub(crate) settings: Vec<PathBuf>,
@@ -499,10 +511,10 @@ pub(crate) struct MeasureArgs {
     /// Report as JSON on standard output
     ///
     /// An object with `scene`, `notes`, `triangles`, `width`, `height`, `backend`, `adapter` (null for the CPU), `light_samples` (null where no light has a size), `report` (null without one) and
-    /// `techniques`. Each of these has its `settings` (as a settings file has them, with the `name`), `pixels` (judged: those that show something a light can reach, once for
+    /// `techniques`. Each of these has its `settings` (as a settings file has them, with the `name`; those of the first light), `pixels` (judged: those that show something a light can reach, once for
     /// each light), `wrong`, `causes` (pixels by cause), `at_terminator` (pixels whose two normals disagree about facing the light, wrong or not), `rmse`,
     /// `milliseconds` (medians: `shadow_maps`, `camera`, `shading`, `total`), `map_bytes`, `stability` (`move`, `turn`, `zoom`, `light`: shares that change for no
-    /// reason) and `lights` (for each its `name`, `pixels`, `wrong`, `causes`, `at_terminator` and `rmse`).
+    /// reason) and `lights` (for each its `name`, `settings`, `pixels`, `wrong`, `causes`, `at_terminator` and `rmse`).
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -624,6 +636,7 @@ mod tests {
         let hint = |line: &str| with_hint(parse(line).unwrap_err()).to_string();
         assert!(hint("shadow house.glb").contains("shadow render house.glb"));
         assert!(!hint("shadow draw").contains("shadow render"));
+        assert!(!hint("shadow measure --settings a --bias none").contains("settings --preset"));
         assert!(!hint("shadow --fast").contains("shadow render"));
     }
 

@@ -64,7 +64,7 @@ pub(crate) fn run(args: Args) -> Result<Verdict, CliError> {
         Command::Plan(args) => plan::run(&args),
         Command::Measure(args) => measure::run(&args),
         Command::Tune(args) => tune::run(&args),
-        Command::Settings => settings::run(),
+        Command::Settings(args) => settings::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Probe(args) => probe::run(&args),
         Command::Completions(args) => completions::run(&args),

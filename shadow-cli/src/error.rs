@@ -61,6 +61,11 @@ pub(crate) enum CliError {
         /// What is wrong with it.
         source: image::ImageError,
     },
+    /// Rules that are stated for lookups where texels are.
+    #[error(
+        "--texels direct3d has no meaning with tune: what engines do is tried where texels are; leave it out (shadow measure shows what mixed conventions cost)"
+    )]
+    TuneTexels,
     /// Nothing to compare another tracer with.
     #[error("--rival is sent the rays of our tracer, which is not among the backends; add trace to --backends")]
     RivalWithoutTracer,
@@ -190,6 +195,30 @@ pub(crate) enum CliError {
         /// What is wrong.
         source: FramePlanError,
     },
+    /// A choice of a scene where none is read.
+    #[error("{0} chooses a scene, which only --convert needs; add --convert FROM --to ENGINE, or leave it out")]
+    SceneOfSettings(&'static str),
+    /// A light without a map.
+    #[error(
+        "the light `{0}` has no shadow map, since nothing casts a shadow in it; choose another with --of-light, or a scene with objects"
+    )]
+    NoMap(String),
+    /// A place that the light does not reach.
+    #[error("--at {at} is not before the light; its depth goes from {near} m (not included) to {far} m")]
+    At {
+        /// The distance that was asked for, in metres.
+        at: f32,
+        /// The near plane's, in metres.
+        near: f32,
+        /// The far plane's, in metres.
+        far: f32,
+    },
+    /// An angle at which a surface does not face the light.
+    #[error("--angle {0} is not that of a surface which faces the light; choose from 0 to below 90 degrees")]
+    Angle(f32),
+    /// A bias that is no length.
+    #[error("--convert {0}; take a smaller number, or another --at")]
+    Conversion(String),
     /// Two techniques of the same name.
     #[error("two settings are called `{0}`; give one of them another name")]
     TechniqueName(String),

@@ -345,7 +345,7 @@ mod tests {
     fn scenes_count_with_the_backends_copies() {
         let amounts = Amounts { vertices: 10, triangles: 100, texels: 1000, ..AMOUNTS };
         let demand = amounts.of_work(Work::Bench(&[Backend::Cpu]));
-        assert_eq!((demand.meshes, demand.textures), (10 * (48 + 68) + 100 * (16 + 124), 8000));
+        assert_eq!((demand.meshes, demand.textures), (10 * (52 + 68) + 100 * (20 + 124), 8000));
     }
 
     #[test]

@@ -16,7 +16,8 @@ use crate::{
     error::CliError,
     memory::Limit,
     settings_file,
-    specs::{ByteSize, CameraChoice, SceneSource, Selector, Show},
+    shadowing::Shadowing,
+    specs::{ByteSize, CameraChoice, LightSpec, SceneSource, Selector, Show},
 };
 
 /// The faces of a cube, in the order of its views.
@@ -35,7 +36,9 @@ pub(crate) struct Job {
     /// The camera.
     pub(crate) camera: Camera,
     /// How lights are shadowed.
-    pub(crate) settings: ShadowSettings,
+    pub(crate) shadowing: Shadowing,
+    /// How each light is shadowed, in order: as the above has it, but for those with a file of their own.
+    pub(crate) of_lights: Vec<ShadowSettings>,
     /// How the picture is made.
     pub(crate) plan: FramePlan,
     /// How the tracer samples lights that have a size; `None` as it does by itself.
@@ -51,17 +54,19 @@ impl Job {
     pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args, bias)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
-        let scene = with_casters(with_chosen_lights(scene, args)?, &args.shadows)?;
+        let scene = with_casters(with_chosen_lights(scene, &args.lights)?, &args.shadows)?;
+        let shadowing = bias.preset.map_or_else(|| Shadowing::alike(settings), |engine| Shadowing::preset(engine, &scene));
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
-        let of_lights = settings_of_lights(&scene, &settings, &args.shadows)?;
+        let of_lights = settings_of_lights(&scene, &shadowing, &args.shadows)?;
         let size = (args.size.width, args.size.height);
-        let plan =
-            FramePlan::with_settings_of(&scene, &camera, settings.map_size, |light, _| of_lights[light], size, args.exposure)?;
+        let map_size = shadowing.map_size();
+        let plan = FramePlan::with_settings_of(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure)?;
         let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
+        notes.extend(shadowing.notes(&scene));
         tell_notes(&notes, console);
-        Ok(Self { scene_name, scene, notes, camera_name, camera, settings, plan, light_samples: None, limit })
+        Ok(Self { scene_name, scene, notes, camera_name, camera, shadowing, of_lights, plan, light_samples: None, limit })
     }
 
     /// The layer that is to be shown, once it is known that there is one.
@@ -83,8 +88,13 @@ impl Job {
 
     /// The names of the lights, in order.
     fn light_names(&self) -> Vec<String> {
-        self.scene.lights().iter().map(|light| light.name.clone()).collect()
+        light_names(&self.scene)
     }
+}
+
+/// The names of a scene's lights, in order.
+pub(crate) fn light_names(scene: &Scene) -> Vec<String> {
+    scene.lights().iter().map(|light| light.name.clone()).collect()
 }
 
 /// The scene's notes, and a sentence for each default of its that is used.
@@ -154,9 +164,9 @@ fn with_casters(scene: Scene, args: &ShadowArgs) -> Result<Scene, CliError> {
 }
 
 /// How each light is shadowed.
-fn settings_of_lights(scene: &Scene, settings: &ShadowSettings, args: &ShadowArgs) -> Result<Vec<ShadowSettings>, CliError> {
+fn settings_of_lights(scene: &Scene, shadowing: &Shadowing, args: &ShadowArgs) -> Result<Vec<ShadowSettings>, CliError> {
     let names: Vec<String> = scene.lights().iter().map(|light| light.name.clone()).collect();
-    let mut of_lights = vec![*settings; names.len()];
+    let mut of_lights: Vec<ShadowSettings> = scene.lights().iter().map(|light| shadowing.of(&light.light.kind)).collect();
     for LightSettings { light, path } in &args.light_settings {
         let own = settings_file::read(path)?.settings;
         for index in light.find_all("light", &names)? {
@@ -221,12 +231,12 @@ pub(crate) fn load(args: &SceneArgs, console: &Console) -> Result<(String, Scene
 }
 
 /// The scene under the lights of the command line, if there are any.
-fn with_chosen_lights(mut scene: Scene, args: &PictureArgs) -> Result<Scene, CliError> {
-    if args.lights.is_empty() {
+pub(crate) fn with_chosen_lights(mut scene: Scene, specs: &[LightSpec]) -> Result<Scene, CliError> {
+    if specs.is_empty() {
         return Ok(scene);
     }
-    let mut lights = Vec::with_capacity(args.lights.len());
-    for spec in &args.lights {
+    let mut lights = Vec::with_capacity(specs.len());
+    for spec in specs {
         let (light, shape) = (spec.to_light(scene.origin()), spec.shape());
         light
             .validate()
@@ -291,7 +301,7 @@ mod tests {
 
     #[test]
     fn the_bias_takes_its_default_length_from_its_kind() {
-        let bias = |options: &str| job(options).unwrap().settings.bias;
+        let bias = |options: &str| job(options).map(|job| job.shadowing.of_first(&job.scene).bias).unwrap();
         assert_eq!(bias(""), Bias::Automatic);
         assert_eq!(bias("--bias slope"), Bias::Parts(BiasParts { slope: Some(1.0), ..BiasParts::NONE }));
         assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::slope(1.0, 0.5));

@@ -6,6 +6,7 @@
 use std::{fs, ops::Range, path::Path};
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use shadow_math::{
     Filter, Fit, ShadowSettings, Split, Store, Terminator, Texels,
     settings::{FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
@@ -139,7 +140,7 @@ pub(crate) fn read(path: &Path) -> Result<NamedSettings, CliError> {
 }
 
 /// The name, if there is one, and the settings of a text.
-fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> {
+pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), SettingsError> {
     let at = |span: Option<Range<usize>>, problem: String| {
         let start = span.map_or(0, |span| span.start.min(text.len()));
         // A span lies on characters' borders; were it not so, the line would be that of the whole text.
@@ -263,13 +264,14 @@ pub(crate) struct SettingsReport {
     bias_summary: String,
 }
 
-impl From<&NamedSettings> for SettingsReport {
-    fn from(named: &NamedSettings) -> Self {
-        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size } = named.settings;
+impl SettingsReport {
+    /// The settings of a technique that is called `name`.
+    pub(crate) fn of(name: &str, settings: &ShadowSettings) -> Self {
+        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size } = *settings;
         let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
         let (names, BiasNumbers { constant, scale, normal, limit, gradient, offset, push }) = BiasNames::of(bias);
         Self {
-            name: named.name.clone(),
+            name: name.into(),
             fit,
             split,
             store,
@@ -289,9 +291,45 @@ impl From<&NamedSettings> for SettingsReport {
             bias_summary: summary(bias),
         }
     }
-}
 
-impl SettingsReport {
+    /// The keys and values of a settings file, in its own notation.
+    ///
+    /// TOML writes these numbers, strings and lists as JSON does.
+    fn entries(&self) -> Vec<(String, Value)> {
+        match serde_json::to_string(self).ok().and_then(|text| serde_json::from_str(&text).ok()) {
+            Some(Value::Object(map)) => map.into_iter().collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// A settings file that says them, with the comments of the default one under a head of its own.
+    pub(crate) fn file(&self, head: &str) -> String {
+        let entries = self.entries();
+        let entry = |line: &str| {
+            let key = line.trim_start_matches("# ").split_once(" = ")?.0;
+            entries.iter().find(|(name, _)| name == key)
+        };
+        let lines = DEFAULT_TEXT.lines().skip_while(|line| !line.is_empty()).map(|line| match entry(line) {
+            Some((key, value)) => format!("{key} = {value}\n"),
+            None => format!("{line}\n"),
+        });
+        [head.to_string()].into_iter().chain(lines).collect()
+    }
+
+    /// The options of the command line that say them, but for those that are at their defaults.
+    pub(crate) fn options(&self) -> String {
+        let defaults = Self::of(&self.name, &ShadowSettings::default()).entries();
+        let is_chosen = |entry: &&(String, Value)| !defaults.contains(entry);
+        let option = |(key, value): &(String, Value)| match value {
+            Value::String(text) => format!("--{key} {text}"),
+            Value::Array(numbers) => {
+                format!("--{key} {}", numbers.iter().map(Value::to_string).collect::<Vec<_>>().join(","))
+            }
+            value => format!("--{key} {value}"),
+        };
+        self.entries().iter().filter(is_chosen).map(option).collect::<Vec<_>>().join(" ")
+    }
+
     /// What the technique is called.
     pub(crate) fn name(&self) -> &str {
         &self.name
@@ -301,7 +339,9 @@ impl SettingsReport {
     pub(crate) fn summary(&self) -> String {
         let radius = self.filter_radius.map_or_else(String::new, |radius| format!(" {radius}"));
         let store = if self.store == Store::default() { String::new() } else { format!(", {}", self.store.name()) };
-        format!("{} texels, {}{radius}, {}{store}", self.map_size, self.filter.name(), self.bias_summary)
+        let texels = if self.texels == Texels::Direct3d { ", texels as in direct3d" } else { "" };
+        let terminator = if self.terminator == Terminator::Soft { ", soft terminator" } else { "" };
+        format!("{} texels, {}{radius}, {}{store}{texels}{terminator}", self.map_size, self.filter.name(), self.bias_summary)
     }
 }
 

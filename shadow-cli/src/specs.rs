@@ -21,7 +21,7 @@ pub(crate) use self::{
     error::SpecError,
     light::LightSpec,
     selector::{Selector, inventory},
-    units::{bias_metres, exposure_value, seconds},
+    units::{angle, bias_metres, distance, exposure_value, seconds},
 };
 use crate::{args::Backend, debug_view::DebugView};
 

@@ -1,4 +1,4 @@
-//! A technique is a product of five choices, and this is the type that says them.
+//! A technique is a product of five choices (where samples go, how many maps there are, what they store, the bias and the filter), and this is the type that says them, with what else a lookup and its shading can vary.
 //!
 //! The article "Shadow Mapping in Ogre" (Chong 2006, section 2) divides the variants of shadow mapping into categories that
 //! "work quite independently"; bias and filtering are two more.

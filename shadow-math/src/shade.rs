@@ -48,6 +48,26 @@ pub struct Surface {
     pub shininess: f32,
 }
 
+/// How much of what a light sends falls on a point at `toward`, the vector from the point to the light, its distance aside: from 0, beyond the range's window or outside the cone, to 1.
+#[inline(always)]
+#[must_use]
+pub fn light_reach(light: &LightPlan, toward: Vec3) -> f32 {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return 1.0;
+    }
+    let squared = toward.x * toward.x + toward.y * toward.y + toward.z * toward.z;
+    if squared <= 0.0 {
+        return 0.0;
+    }
+    let distance = squared.sqrt();
+    let ratio = distance * light.inverse_range;
+    let ratio_squared = ratio * ratio;
+    let window = (1.0 - ratio_squared * ratio_squared).max(0.0);
+    let cosine = -(light.axis[0] * toward.x + light.axis[1] * toward.y + light.axis[2] * toward.z) / distance;
+    let cone = (cosine * light.cone_scale + light.cone_offset).max(0.0).min(1.0);
+    window * (cone * cone)
+}
+
 /// How much of its intensity a light sends to a point at `toward`, the vector from the point to the light.
 ///
 /// For a directional light 1; for another inverse square in 1 / m^2, the range's window and the cone. Zero at the light itself.
@@ -131,11 +151,13 @@ pub fn shade_light(light: &LightPlan, surface: &Surface, visibility: f32) -> Vec
     intensity * reflected * illuminance
 }
 
-/// What a light's shadow multiplies the picture by: the shadow's colour where nothing of the light is seen, and 1 where all of it is.
+/// What a light's shadow multiplies the picture by: the shadow's colour where nothing of the light is seen, and 1 where all of it is. `reach` is the light's [`light_reach`]: where a light does not shine it has
+/// no shadow either, and at the rim of a cone its shadow ends as softly as its light.
 #[inline(always)]
 #[must_use]
-pub fn shadow_factor(shadow_color: Vec3, visibility: f32) -> Vec3 {
-    shadow_color + (Vec3::ONE - shadow_color) * visibility
+pub fn shadow_factor(shadow_color: Vec3, visibility: f32, reach: f32) -> Vec3 {
+    let hidden = (1.0 - visibility) * reach;
+    Vec3::ONE - (Vec3::ONE - shadow_color) * hidden
 }
 
 /// The radiance of a surface under light from everywhere, in candela per square metre; `ambient` in lux.

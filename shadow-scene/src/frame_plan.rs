@@ -70,8 +70,8 @@ pub enum FramePlanError {
     ShadowColor(f32),
     /// The maps take more memory than they may.
     #[error(
-        "{maps} maps of {map_size} x {map_size} texels take {needed} bytes, and the budget is {allowed}; {}",
-        if *fitting >= MIN_MAP_SIZE { format!("maps of up to {fitting} texels fit, or fewer lights that cast shadows") } else { "take fewer lights that cast shadows".into() }
+        "{maps} maps of {map_size} x {map_size} texels take {needed} bytes, and the budget (--shadow-budget) is {allowed}; {}",
+        if *fitting >= MIN_MAP_SIZE { format!("maps of up to {fitting} texels fit (--map-size), or fewer lights that cast shadows (--no-shadow)") } else { format!("so many maps do not fit at any size from {MIN_MAP_SIZE} texels on; take a larger budget, or fewer lights that cast shadows (--no-shadow)") }
     )]
     Budget {
         /// What they take, in bytes.

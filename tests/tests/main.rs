@@ -19,6 +19,7 @@ mod poses;
 mod probe;
 mod program;
 mod program_files;
+mod program_presets;
 mod program_rival;
 mod program_scenes;
 mod stores;

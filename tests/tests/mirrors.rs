@@ -33,7 +33,7 @@ use shadow_math::{
         MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
-    shade::{MAX_DEVIATION, Surface, attenuation, shade_ambient, shade_light, shadow_factor, softened_terminator},
+    shade::{MAX_DEVIATION, Surface, attenuation, light_reach, shade_ambient, shade_light, shadow_factor, softened_terminator},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
     vector::{normalized, row_times_point, row_times_vector, unit_normal},
@@ -1007,6 +1007,29 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "shade",
+        functions: &["light_reach"],
+        statements: "output(0u, light_reach(u32(input(0u)), input3(1u)));",
+        inputs_each: 4,
+        inputs: |world, random| {
+            let zero: Vec<_> = (0..world.globals.lights.len()).map(|light| [light as f32, 0.0, 0.0, 0.0]).collect();
+            random.groups(&zero, |random| {
+                let [light, x, y, z] = world.light_and_point(random);
+                let toward = toward_light(world.light(light), Vec3::new(x, y, z));
+                [light, toward.x, toward.y, toward.z]
+            })
+        },
+        twin: |world, i| {
+            let light = world.light(i[0]);
+            let toward = v3(i, 1);
+            // Attenuation is this over the distance's square.
+            let scale = magnitude_of_attenuation(light, toward) * toward.length_squared().max(1.0);
+            vec![Number { value: light_reach(light, toward), scale: scale.max(1.0) }]
+        },
+        bound: 32,
+        reason: "a square root and divisions; the cone's edge is as steep as its scale",
+    },
+    Mirror {
+        file: "shade",
         functions: &["softened_terminator"],
         statements: "output(0u, softened_terminator(input(0u), input(1u)));",
         inputs_each: 2,
@@ -1039,12 +1062,12 @@ const TABLE: &[Mirror] = &[
     Mirror {
         file: "shade",
         functions: &["shadow_factor"],
-        statements: "output3(0u, shadow_factor(input3(0u), input(3u)));",
-        inputs_each: 4,
-        inputs: |_, random| random.groups::<4>(&[[0.0; 4], [1.0; 4]], |random| [random.unit(), random.unit(), random.unit(), random.unit()]),
-        twin: |_, i| scaled(shadow_factor(v3(i, 0), i[3]), Vec3::ONE),
+        statements: "output3(0u, shadow_factor(input3(0u), input(3u), input(4u)));",
+        inputs_each: 5,
+        inputs: |_, random| random.groups::<5>(&[[0.0; 5], [1.0; 5]], |random| [random.unit(), random.unit(), random.unit(), random.unit(), random.unit()]),
+        twin: |_, i| scaled(shadow_factor(v3(i, 0), i[3], i[4]), Vec3::ONE),
         bound: 3,
-        reason: "two sums and a product",
+        reason: "three sums and two products",
     },
     Mirror {
         file: "shade",

@@ -2,6 +2,8 @@
 
 use std::{path::Path, process::Command};
 
+use shadow_tests::report::say;
+
 use crate::program::Folder;
 
 #[test]
@@ -12,7 +14,9 @@ fn embree_meets_what_the_tracer_meets() {
     let mut compiler = Command::new("c++");
     compiler.args(["-std=c++17", "-O2", "-o"]).arg(&rival).arg(&source).args(["-lembree3", "-lpthread"]);
     if !compiler.output().is_ok_and(|output| output.status.success()) {
-        eprintln!("not run: Embree 3 or a C++ compiler is missing (on Debian: apt-get install g++ libembree-dev)");
+        say(
+            "embree_meets_what_the_tracer_meets: not run, Embree 3 or a C++ compiler is missing (on Debian: apt-get install g++ libembree-dev)",
+        );
         return;
     }
     let program = rival.display().to_string();

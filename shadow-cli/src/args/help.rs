@@ -31,6 +31,7 @@ Examples:
   shadow render house.glb --show depth --output depth.exr
   shadow render house.glb --backend trace --light 'directional:dir=-1,-2,-1;lux=20000;diameter=3'
   shadow render fox.glb --animation Run --time 0.5 --memory-limit 2GiB
+  shadow render house.glb --preset godot                      # with an engine's defaults
   shadow render house.glb --json | jq .milliseconds";
 
 /// Examples for `shadow compare`.
@@ -124,7 +125,8 @@ Examples:
   shadow measure house.glb
   shadow settings > soft.toml                        # and change what is in it
   shadow measure house.glb --settings hard.toml --settings soft.toml --report report
-  shadow measure house.glb --bias constant --json | jq '.techniques[].causes'";
+  shadow measure house.glb --bias constant --json | jq '.techniques[].causes'
+  shadow measure house.glb --preset bevy             # with an engine's defaults";
 
 /// What the columns of `shadow tune` are, and examples.
 pub(super) const TUNE_HELP: &str = "\
@@ -168,11 +170,43 @@ Examples:
   shadow tune house.glb --light 'point:pos=0,2,0;cd=500' --backend gpu
   shadow tune house.glb --json --output house.json | jq '.lights[].rules[] | {name, fails}'";
 
-/// Examples for `shadow settings`.
-pub(super) const SETTINGS_EXAMPLES: &str = "\
+/// What `shadow settings --convert` takes and says, and examples.
+pub(super) const SETTINGS_HELP: &str = "\
+What --convert takes: ENGINE, which stands for the engine's defaults, or
+ENGINE:NAME=VALUE;NAME=VALUE, where what is left out is 0. The names are the
+engines' own:
+
+  metres     constant (metres toward the light), normal (metres along the
+             normal), slope (texels times the tangent)
+  ogre-2006  units
+  ogre-1.12  fixed (fixedDepthBias)
+  ogre-13    constant, slope (both of depth_bias, away from the light)
+  mjp        bias, offsetScale
+  filament   constantBias, normalBias, polygonOffsetConstant,
+             polygonOffsetSlope
+  bevy       depth (shadow_depth_bias), normal (shadow_normal_bias)
+  three      bias (at most 0), normalBias
+  babylon    bias, normalBias
+  godot      bias (shadow_bias), normal_bias (shadow_normal_bias)
+
+A bias has three components: a constant toward the light, a step along the
+normal, and one that grows with the slope. Each is a length at one place: so
+far from the light (--at), on its axis, on a surface that leans so much
+(--angle), along the map's rows or columns. What depends on neither is the same
+everywhere; the rest has to be converted where it matters.
+
+Where an engine counts in shares of its depth range or in texels, range and
+texels are those of the light's map here (shadow plan shows them): an engine
+that fits its maps otherwise needs other numbers.
+
 Examples:
   shadow settings > mine.toml
-  shadow measure house.glb --settings mine.toml";
+  shadow measure house.glb --settings mine.toml
+  shadow settings --preset bevy --kind point > bevy-point.toml
+  shadow settings --convert bevy --to three
+  shadow settings house.glb --convert 'bevy:depth=0.02;normal=1.8' --to three --map-size 1024
+  shadow settings --convert 'three:bias=-0.0005' --to metres --of-light sun --angle 60
+  shadow settings --convert godot --to bevy --light 'point:pos=0,3,0;cd=800;range=10' --at 2.5 --json";
 
 /// Examples for `shadow completions`.
 pub(super) const COMPLETIONS_EXAMPLES: &str = "\

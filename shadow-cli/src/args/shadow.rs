@@ -8,6 +8,7 @@ use shadow_math::{Filter, Store, Terminator, Texels};
 use super::filter::FilterName;
 use crate::{
     bias::{BiasNames, BiasNumbers, gradient_numbers, offset_numbers},
+    presets::Engine,
     specs::{ByteSize, Selector, bias_metres, map_size},
 };
 
@@ -16,8 +17,8 @@ use crate::{
 pub(crate) struct ShadowArgs {
     /// How lights and shadows come together: additive (each light where it is seen) or modulative (all lights, darkened where one is not seen)
     ///
-    /// additive is the sum of the lights that reach a surface. modulative multiplies the sum of all lights by a color wherever one of them is hidden, as OGRE's modulative shadows do: highlights stay
-    /// visible in shadow.
+    /// additive is the sum of the lights that reach a surface. modulative multiplies the sum of all lights, the ambient one too, by a color wherever one that would reach a surface is hidden, as OGRE's modulative
+    /// shadows do: highlights stay visible in shadow, and ambient light does not fill it.
     #[arg(long, value_name = "COMPOSITION", default_value = "additive", value_parser = PossibleValuesParser::new(["additive", "modulative"]), help_heading = "Shadows")]
     pub(crate) composition: String,
 
@@ -152,6 +153,22 @@ fn terminator(text: &str) -> Result<Terminator, String> {
 /// How surfaces are kept from shadowing themselves: the choices of all commands on pictures but the one that certifies the automatic bias.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct BiasArgs {
+    /// The defaults of an engine, by the kind of each light, as far as the other options can say them
+    ///
+    /// Map size, filter, what is stored and the bias, with the numbers of the engine's own sources. What of them cannot be said is told in a note. To change a preset, print it as a file with
+    /// `shadow settings --preset NAME`, which also has it as options.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME",
+        conflicts_with_all = [
+            "map_size", "filter", "filter_radius", "store", "texels", "terminator", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient",
+            "bias_offset", "bias_push"
+        ],
+        help_heading = "Shadows"
+    )]
+    pub(crate) preset: Option<Engine>,
+
     /// How surfaces are kept from shadowing themselves: automatic, none, or parts joined by plus signs
     ///
     /// automatic is what the receiver's plane needs under the filter, by depth or along its normal: there is nothing to tune. none shows self-shadowing as it is. The parts, which add

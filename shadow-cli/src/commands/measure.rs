@@ -4,6 +4,8 @@ mod motion;
 mod page;
 mod plot;
 
+use std::path::PathBuf;
+
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use shadow_cpu::{
     CpuRenderer, RasterRules,
@@ -11,6 +13,7 @@ use shadow_cpu::{
     renderer::CameraBuffer,
     trace::{CameraView, Tracer},
 };
+use shadow_math::ShadowSettings;
 use shadow_scene::{Frame, FramePlan, LayerName, Request, StageTimes};
 
 use self::motion::{Motions, StabilityReport};
@@ -22,8 +25,10 @@ use crate::{
     error::CliError,
     memory::{self, Work},
     output::{make_folder, write_text},
+    presets::Engine,
     resolve::Job,
     settings_file::{NamedSettings, SettingsReport, read},
+    shadowing::Shadowing,
     statistics::Spread,
 };
 
@@ -50,7 +55,11 @@ struct Report<'a> {
 /// How wrong a technique is.
 #[derive(Debug, Serialize)]
 struct TechniqueReport {
+    /// Those of the first light; each of the lights has its own.
     settings: SettingsReport,
+    /// The settings in a line, by kind of light where they differ.
+    #[serde(skip)]
+    summary: String,
     #[serde(flatten)]
     counts: CountsReport,
     milliseconds: Milliseconds,
@@ -64,6 +73,7 @@ struct TechniqueReport {
 #[derive(Debug, Serialize)]
 struct LightReport {
     name: String,
+    settings: SettingsReport,
     #[serde(flatten)]
     counts: CountsReport,
 }
@@ -142,9 +152,13 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     }
     // The tracer has threads of its own, whatever renders.
     check_machine(&args.machine, &[args.rendering.backend, Backend::Trace], &console)?;
-    let from_files = args.settings.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+    let technique = |path: &PathBuf| {
+        let NamedSettings { name, settings } = read(path)?;
+        Ok::<_, CliError>(Technique { name, shadowing: Shadowing::alike(settings) })
+    };
+    let from_files = args.settings.iter().map(technique).collect::<Result<Vec<_>, _>>()?;
     let mut job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, &console)? };
-    let techniques = techniques(&job, from_files)?;
+    let techniques = techniques(&job, args, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {
         job.plan = plan.clone();
@@ -188,13 +202,18 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
         let stability = motions.stability(&backend, technique, plan, args.picture.exposure, &console)?;
         let lights = job.scene.lights().iter().zip(&judgement.lights);
         reports.push(TechniqueReport {
-            settings: technique.into(),
+            settings: SettingsReport::of(&technique.name, &technique.shadowing.of_first(&job.scene)),
+            summary: technique.summary(&job),
             counts: judgement.total().into(),
             milliseconds: Milliseconds::of(&times),
             map_bytes: map_bytes(plan),
             stability,
             lights: lights
-                .map(|(light, judged)| LightReport { name: light.name.clone(), counts: judged.counts.into() })
+                .map(|(light, judged)| LightReport {
+                    name: light.name.clone(),
+                    settings: SettingsReport::of(&technique.name, &technique.shadowing.of(&light.light.kind)),
+                    counts: judged.counts.into(),
+                })
                 .collect(),
         });
         if args.report.is_some() {
@@ -225,13 +244,32 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
 /// Frames of each technique that are drawn and not counted.
 const WARM_UP: u32 = 1;
 
+/// How lights are shadowed, and what that is called.
+struct Technique {
+    name: String,
+    shadowing: Shadowing,
+}
+
+impl Technique {
+    /// Its settings in a line.
+    fn summary(&self, job: &Job) -> String {
+        let of_kind = |(kind, settings): (&str, ShadowSettings)| {
+            let summary = SettingsReport::of(&self.name, &settings).summary();
+            if kind.is_empty() { summary } else { format!("{kind}: {summary}") }
+        };
+        let kinds: Vec<String> = self.shadowing.by_kind(&job.scene).into_iter().map(of_kind).collect();
+        kinds.join("; ")
+    }
+}
+
 /// The techniques of the files or, without any, that of the command line.
-fn techniques(job: &Job, from_files: Vec<NamedSettings>) -> Result<Vec<NamedSettings>, CliError> {
+fn techniques(job: &Job, args: &MeasureArgs, from_files: Vec<Technique>) -> Result<Vec<Technique>, CliError> {
     if from_files.is_empty() {
-        return Ok(vec![NamedSettings { name: "command line".into(), settings: job.settings }]);
+        let name = args.bias.preset.map_or("command line", Engine::name);
+        return Ok(vec![Technique { name: name.into(), shadowing: job.shadowing }]);
     }
     let mut names: Vec<&str> = Vec::new();
-    for NamedSettings { name, .. } in &from_files {
+    for Technique { name, .. } in &from_files {
         if names.contains(&name.as_str()) {
             return Err(CliError::TechniqueName(name.clone()));
         }
@@ -240,9 +278,11 @@ fn techniques(job: &Job, from_files: Vec<NamedSettings>) -> Result<Vec<NamedSett
     Ok(from_files)
 }
 
-fn plan(job: &Job, technique: &NamedSettings, args: &MeasureArgs) -> Result<FramePlan, CliError> {
+fn plan(job: &Job, technique: &Technique, args: &MeasureArgs) -> Result<FramePlan, CliError> {
     let size = args.picture.size;
-    FramePlan::new(&job.scene, &job.camera, &technique.settings, size.width, size.height, args.picture.exposure)
+    technique
+        .shadowing
+        .plan(&job.scene, &job.camera, (size.width, size.height), args.picture.exposure)
         .map_err(|source| CliError::Technique { name: technique.name.clone(), source })
 }
 
@@ -267,7 +307,7 @@ fn text(report: &Report<'_>) -> String {
     let mut rows = vec![heading];
     for technique in &report.techniques {
         let CountsReport { pixels, wrong, causes, rmse, .. } = &technique.counts;
-        let mut row = vec![technique.settings.name().into(), technique.settings.summary(), percent(*wrong, *pixels)];
+        let mut row = vec![technique.settings.name().into(), technique.summary.clone(), percent(*wrong, *pixels)];
         row.extend(Cause::ALL.iter().rev().map(|&cause| causes.0.count(cause).to_string()));
         row.push(format!("{rmse:.4}"));
         row.push(share(technique.stability.worst_of_camera()));

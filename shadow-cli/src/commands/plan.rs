@@ -135,20 +135,21 @@ impl<'a> Report<'a> {
 impl<'a> LightReport<'a> {
     fn of(job: &Job, light: usize, scene_light: &'a SceneLight, plan: &LightPlan) -> Self {
         let views = job.plan.views_of(light);
+        let settings = &job.of_lights[light];
         Self {
             light,
             name: &scene_light.name,
             kind: kind_name(&scene_light.light.kind),
-            fit: job.settings.fit,
+            fit: settings.fit,
             split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
-            store: job.settings.store,
+            store: settings.store,
             bias: BiasReport {
-                name: BiasNames::of(job.settings.bias).0.to_string(),
+                name: BiasNames::of(settings.bias).0.to_string(),
                 metres: plan.bias_metres,
                 slope_scale: plan.slope_scale,
-                summary: summary(job.settings.bias),
+                summary: summary(settings.bias),
             },
-            filter: job.settings.filter,
+            filter: settings.filter,
             views: views
                 .iter()
                 .zip(view_names(views.len()))
@@ -197,6 +198,11 @@ fn text(report: &Report<'_>) -> String {
     let heading = ["light", "view", "projection", "near", "far", "texel", "bias", "filter"].map(String::from).to_vec();
     let mut rows = vec![heading];
     for light in &report.lights {
+        if light.views.is_empty() {
+            let mut row = vec![format!("{} {} `{}`", light.light, light.kind, light.name), "casts no shadows".into()];
+            row.resize(rows[0].len(), String::new());
+            rows.push(row);
+        }
         for view in &light.views {
             let at = if view.projection == "perspective" { " at 1 m" } else { "" };
             rows.push(vec![

@@ -11,7 +11,7 @@ use shadow_cpu::{
     measure::{Cause, Judge, Lengths, Needs, Onset, Trial, Trials},
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_math::{Filter, Store, plan::BIAS_BACK_FACES};
+use shadow_math::{Filter, Store, Texels, plan::BIAS_BACK_FACES};
 use shadow_scene::{FrameMaps, LayerName, Request};
 
 use self::tries::{STEPS_OF_LIGHT, TRIED_SHARES, Tries};
@@ -240,6 +240,9 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
     if !args.picture.shadows.light_settings.is_empty() {
         return Err(CliError::LightSettings);
     }
+    if args.picture.shadows.texels != Texels::OpenGl {
+        return Err(CliError::TuneTexels);
+    }
     if args.picture.shadows.store != Store::Depth32 {
         return Err(CliError::TuneStore(args.picture.shadows.store.name()));
     }
@@ -299,8 +302,8 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
         picture: PictureReport::of(&job),
         backend: name,
         adapter: backend.adapter().map(|adapter| adapter.name.clone()),
-        map_size: job.settings.map_size,
-        filter: job.settings.filter,
+        map_size: job.plan.map_size,
+        filter: job.shadowing.of_first(&job.scene).filter,
         holds: reports.iter().all(|light| light.acne == 0),
         output: args.output.display().to_string(),
         lights: reports,
@@ -380,7 +383,8 @@ fn verdict(report: &Report<'_>) -> String {
 /// What the numbers of a light mean.
 fn sentences(light: &LightReport) -> Vec<String> {
     let Some(automatic) = light.rules.first().filter(|bias| bias.gap.pixels > 0) else {
-        return vec!["no pixel faces this light and asks its map".into()];
+        let why = if light.maps == 0 { "this light casts no shadows" } else { "no pixel faces this light and asks its map" };
+        return vec![why.into()];
     };
     let NeededReport { filter, snap, rounding } = light.needed;
     let part = |gap: f32| length(f64::from(gap));

@@ -88,6 +88,16 @@ pub(crate) fn bias_metres(text: &str) -> Result<f32, SpecError> {
     option(text, "the bias", Unit::Metres)
 }
 
+/// The value of `--at`.
+pub(crate) fn distance(text: &str) -> Result<f32, SpecError> {
+    option(text, "the distance", Unit::Metres)
+}
+
+/// The value of `--angle`.
+pub(crate) fn angle(text: &str) -> Result<f32, SpecError> {
+    option(text, "the angle", Unit::Degrees)
+}
+
 /// The value of `--exposure`.
 pub(crate) fn exposure_value(text: &str) -> Result<f32, SpecError> {
     option(text, "the exposure", Unit::ExposureValue)

@@ -174,6 +174,9 @@ impl Rule {
         if !(receiver.normal.dot(toward) > 0.0) {
             return known(0.0);
         }
+        if light.view_count == 0 {
+            return known(1.0);
+        }
         let mut index = light.first_view;
         if light.split == SPLIT_CUBE {
             index += cube_face_of(-toward);

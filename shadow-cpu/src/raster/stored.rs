@@ -229,7 +229,7 @@ impl Tile for SecondTile {
 
     #[inline(always)]
     fn write<L: Lanes>(&mut self, offset: usize, outside: L::I, z: L::F, id: u32) -> L::F {
-        let first = self.first[offset..].first_chunk().map_or(L::F::splat(FAR_DEPTH), |first| L::F::load(first));
+        let first = self.first[offset..].first_chunk().map_or(L::F::splat(FAR_DEPTH), L::F::load);
         // All bits set is negative: a sample that is not behind the first surface is outside.
         let is_not_behind = L::I::splat(-1) - first.less(z);
         self.second.write::<L>(offset, outside | is_not_behind, z, id)

@@ -4,8 +4,8 @@ use shadow_math::{
     glam::{Vec2, Vec3},
     material::{NO_TEXTURE, texture_taps},
     picture::picture_color,
-    plan::{CameraPlan, LightPlan},
-    shade::{Surface, shade_ambient, shade_light, shadow_factor},
+    plan::{CameraPlan, LightPlan, toward_light},
+    shade::{Surface, light_reach, shade_ambient, shade_light, shadow_factor},
     triangle::pixel_ray,
     vector::normalized,
 };
@@ -126,7 +126,8 @@ impl SurfaceSpan {
     ) {
         let color = Vec3::new(camera.shadow_color[0], camera.shadow_color[1], camera.shadow_color[2]);
         for i in 0..SPAN {
-            factor.set(i, factor.get(i) * shadow_factor(color, visibility[i]));
+            let reach = light_reach(light, toward_light(light, hits.point.get(i)));
+            factor.set(i, factor.get(i) * shadow_factor(color, visibility[i], reach));
         }
         self.add_light(words, light, hits, &[1.0; SPAN], radiance);
     }

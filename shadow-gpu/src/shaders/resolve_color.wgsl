@@ -38,7 +38,7 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     for (var light = camera.first_light; light < camera.first_light + camera.light_count; light++) {
         var seen_share = textureLoad(visibilities, vec2u(vec2f(x, y)), light, 0).x;
         if camera.composition != COMPOSE_ADDITIVE {
-            factor *= shadow_factor(camera.shadow_color, seen_share);
+            factor *= shadow_factor(camera.shadow_color, seen_share, light_reach(light, toward_light(light, hit.point)));
             seen_share = 1.0;
         }
         radiance += shade_light(light, surface, seen_share) * picture_color(light, hit.point);

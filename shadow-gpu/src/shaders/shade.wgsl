@@ -14,6 +14,24 @@ struct Surface {
     shininess: f32,
 }
 
+fn light_reach(light: u32, toward: vec3f) -> f32 {
+    if lights[light].kind == LIGHT_DIRECTIONAL {
+        return 1.0;
+    }
+    let squared = toward.x * toward.x + toward.y * toward.y + toward.z * toward.z;
+    if squared <= 0.0 {
+        return 0.0;
+    }
+    let distance = sqrt(squared);
+    let ratio = distance * lights[light].inverse_range;
+    let ratio_squared = ratio * ratio;
+    let window = max(1.0 - ratio_squared * ratio_squared, 0.0);
+    let axis = lights[light].axis;
+    let cosine = -(axis.x * toward.x + axis.y * toward.y + axis.z * toward.z) / distance;
+    let cone = min(max(cosine * lights[light].cone_scale + lights[light].cone_offset, 0.0), 1.0);
+    return window * (cone * cone);
+}
+
 fn attenuation(light: u32, toward: vec3f) -> f32 {
     if lights[light].kind == LIGHT_DIRECTIONAL {
         return 1.0;
@@ -64,6 +82,7 @@ fn shade_ambient(ambient: vec3f, surface: Surface) -> vec3f {
     return surface.base_color * INVERSE_PI * ambient;
 }
 
-fn shadow_factor(shadow_color: vec3f, visibility: f32) -> vec3f {
-    return shadow_color + (vec3f(1.0, 1.0, 1.0) - shadow_color) * visibility;
+fn shadow_factor(shadow_color: vec3f, visibility: f32, reach: f32) -> vec3f {
+    let hidden = (1.0 - visibility) * reach;
+    return vec3f(1.0, 1.0, 1.0) - (vec3f(1.0, 1.0, 1.0) - shadow_color) * hidden;
 }

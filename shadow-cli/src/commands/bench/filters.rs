@@ -3,7 +3,7 @@
 use serde::Serialize;
 use shadow_cpu::RasterRules;
 use shadow_math::{
-    Filter, ShadowSettings,
+    Filter,
     plan::{FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_HARD, FILTER_SEPARABLE, LightPlan},
 };
 use shadow_scene::{FramePlan, StageTimes};
@@ -121,9 +121,10 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
 
 /// The same picture with another filter.
 fn plan(job: &Job, filter: Filter, exposure: Option<f32>) -> Result<FramePlan, CliError> {
-    let settings = ShadowSettings { filter, filter_radius: None, ..job.settings };
     let camera = &job.plan.camera;
-    FramePlan::new(&job.scene, &job.camera, &settings, camera.width, camera.height, exposure)
+    job.shadowing
+        .with_filter(filter)
+        .plan(&job.scene, &job.camera, (camera.width, camera.height), exposure)
         .map_err(|source| CliError::Technique { name: filter.name().into(), source })
 }
 

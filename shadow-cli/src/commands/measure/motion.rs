@@ -10,7 +10,8 @@ use shadow_cpu::{
 use shadow_math::{Camera, LightKind, Projection};
 use shadow_scene::{FramePlan, NO_TRIANGLE, Pixels, Request, Scene, SceneLight};
 
-use crate::{backend::OpenBackend, console::Console, error::CliError, resolve::Job, settings_file::NamedSettings};
+use super::Technique;
+use crate::{backend::OpenBackend, console::Console, error::CliError, resolve::Job};
 
 /// About as many points are watched: a share of a thousandth is then still twenty of them.
 const POINTS: usize = 20_000;
@@ -84,7 +85,7 @@ impl<'a> Motions<'a> {
     pub(super) fn stability(
         &self,
         backend: &OpenBackend<'_>,
-        technique: &NamedSettings,
+        technique: &Technique,
         plan: &FramePlan,
         ev: Option<f32>,
         console: &Console,
@@ -94,7 +95,9 @@ impl<'a> Motions<'a> {
         let before = Moment { plan, maps: &maps, lights: scene.lights() };
         let score = |scene: &Scene, camera: &Camera| {
             let (width, height) = (plan.camera.width, plan.camera.height);
-            let moved = FramePlan::new(scene, camera, &technique.settings, width, height, ev)
+            let moved = technique
+                .shadowing
+                .plan(scene, camera, (width, height), ev)
                 .map_err(|source| CliError::Technique { name: technique.name.clone(), source })?;
             let maps = draw_maps(backend, &moved, console)?;
             let after = Moment { plan: &moved, maps: &maps, lights: scene.lights() };

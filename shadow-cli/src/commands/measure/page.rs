@@ -125,7 +125,7 @@ fn table(report: &Report<'_>) -> String {
          <th>unstable</th><th>maps</th><th>camera</th><th>shading</th><th>frame</th><th>memory</th></tr></thead><tbody>\n"
     );
     for (number, technique) in report.techniques.iter().enumerate() {
-        let TechniqueReport { settings, counts, milliseconds, map_bytes, stability, lights } = technique;
+        let TechniqueReport { settings, summary, counts, milliseconds, map_bytes, stability, lights } = technique;
         let Milliseconds { shadow_maps, camera, shading, total } = milliseconds;
         let motions: Vec<String> =
             stability.named().iter().map(|(name, share)| format!("{name} {}", super::share(*share))).collect();
@@ -133,7 +133,7 @@ fn table(report: &Report<'_>) -> String {
             "<tr><td><a href=\"#technique-{number}\">{}</a></td><td>{}</td>{}<td title=\"{}\">{}</td>\
              <td>{shadow_maps:.1} ms</td><td>{camera:.1} ms</td><td>{shading:.1} ms</td><td>{total:.1} ms</td><td>{:.0} MiB</td></tr>\n",
             escaped(settings.name()),
-            escaped(&settings.summary()),
+            escaped(summary),
             cells(counts),
             motions.join(", "),
             super::share(stability.worst_of_camera()),
@@ -181,7 +181,7 @@ fn technique_section(number: usize, technique: &TechniqueReport, shown: &Shown, 
     let regions = judgement.worst_regions(REGION, REGIONS);
     let mut section = format!(
         "<section><h2 id=\"technique-{number}\">{name}</h2>\n<p>{}</p>\n<div class=\"pictures\">\n",
-        escaped(&technique.settings.summary())
+        escaped(&technique.summary)
     );
     let mut figure = |element: String, caption: &str| {
         section.push_str(&format!("<figure>{element}<figcaption>{caption}</figcaption></figure>\n"));
