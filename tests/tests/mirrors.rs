@@ -965,10 +965,28 @@ const TABLE: &[Mirror] = &[
         functions: &["picture_color"],
         statements: "output3(0u, picture_color(u32(input(0u)), input3(1u)));",
         inputs_each: 4,
-        inputs: |world, random| random.groups::<4>(&[], |random| world.light_and_point(random)),
+        inputs: |world, random| {
+            let lights = &world.globals.lights;
+            let projecting: Vec<usize> = (0..lights.len()).filter(|&light| lights[light].picture_width > 0).collect();
+            random.groups::<4>(&[], |random| {
+                // Points around the cone of a light with a picture; some of them, and lights without one, anywhere.
+                let light = projecting[random.below(projecting.len() as u32) as usize];
+                let [other, x, y, z] = world.light_and_point(random);
+                if random.below(4) == 0 {
+                    return [other, x, y, z];
+                }
+                let plan = &lights[light];
+                let distance = random.within(0.5, 12.0);
+                let point = Vec3::from(plan.position) + (Vec3::from(plan.axis) + random.vector(0.6)) * distance;
+                [light as f32, point.x, point.y, point.z]
+            })
+        },
         twin: |world, i| {
             let (light, point) = (world.light(i[0]), v3(i, 1));
             let value = picture_color(&world.globals.words, light, point);
+            if light.picture_width == 0 {
+                return scaled(value, Vec3::ONE);
+            }
             // Beside an edge of the picture, and where a place is as rough as a texel, rounding decides.
             let w = row_times_point(light.picture_w, point);
             let terms = |row: [f32; 4]| magnitude_of_row(row, point) / w.abs();
