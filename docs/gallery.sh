@@ -24,3 +24,4 @@ draw taps --show taps --filter footprint --map-size 1024
 draw cause --show cause --bias constant --bias-constant 0.05 --map-size 512
 draw additive --light "$sun" --light "$lamp" --composition additive
 draw modulative --light "$sun" --light "$lamp" --composition modulative
+draw picture --light 'spot:pos=0,6,3;dir=0,-1,-0.4;inner=33;outer=35;cd=9000;picture=docs/images/slide.png'

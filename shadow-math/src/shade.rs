@@ -81,13 +81,7 @@ pub fn attenuation(light: &LightPlan, toward: Vec3) -> f32 {
     if squared <= 0.0 {
         return 0.0;
     }
-    let distance = squared.sqrt();
-    let ratio = distance * light.inverse_range;
-    let ratio_squared = ratio * ratio;
-    let window = (1.0 - ratio_squared * ratio_squared).max(0.0);
-    let cosine = -(light.axis[0] * toward.x + light.axis[1] * toward.y + light.axis[2] * toward.z) / distance;
-    let cone = (cosine * light.cone_scale + light.cone_offset).max(0.0).min(1.0);
-    window / squared * (cone * cone)
+    light_reach(light, toward) / squared
 }
 
 /// The largest deviation that is reckoned with: that of a sphere of some ten segments. Meshes that are coarser are left with what is beyond it; twice this cosine is where

@@ -6,10 +6,12 @@ use shadow_cpu::{
     trace::{CameraView, Sampling, Tracer},
 };
 use shadow_math::{Composition, ShadowSettings, settings::OGRE_SHADOW_COLOR, srgb::linear_to_srgb};
-use shadow_scene::{Frame, FramePlan, FramePlanError, LayerName, LightPasses, Request, Scene, SceneLight, builtin};
+use shadow_scene::{
+    Frame, FramePlan, FramePlanError, LayerName, LightPasses, Request, Scene, SceneLight, builtin, compare::Contract,
+};
 use shadow_tests::{
     lights::one_of_each,
-    renderers::{self, cpu},
+    renderers::{self, contract, cpu},
 };
 
 const SIZE: (u32, u32) = (240, 135);
@@ -54,8 +56,10 @@ fn many_passes_are_one_pass() {
             // Sums of four floats in another order: far below a step of 8 bits.
             assert!(steps < 0.01, "{composition:?} on {}: {steps} steps", one.source);
         }
-        assert_eq!(one[0].color(), one[1].color(), "both renderers draw the same bits in one pass");
-        assert!(difference(&each[0], &each[1]) < 0.01);
+        if contract() == Contract::Exact {
+            assert!(one[0].color() == one[1].color(), "both renderers draw the same bits in one pass");
+            assert!(difference(&each[0], &each[1]) < 0.01);
+        }
     }
 }
 
@@ -116,7 +120,9 @@ fn what_casts_no_shadow_is_left_out_by_all() {
     for (name, scene) in [("light", &without_light), ("object", &without_object)] {
         let plan = plan_of(scene, Composition::Additive, LightPasses::One);
         let frames = frames(scene, &plan);
-        assert_eq!(frames[0].color(), frames[1].color(), "{name}");
+        if contract() == Contract::Exact {
+            assert!(frames[0].color() == frames[1].color(), "{name}: the renderers differ");
+        }
         let lit = |frame: &Frame, light: u32| -> f32 {
             frame.floats(LayerName::Visibility { light }).expect("it was asked for").iter().sum()
         };

@@ -40,14 +40,7 @@ fn attenuation(light: u32, toward: vec3f) -> f32 {
     if squared <= 0.0 {
         return 0.0;
     }
-    let distance = sqrt(squared);
-    let ratio = distance * lights[light].inverse_range;
-    let ratio_squared = ratio * ratio;
-    let window = max(1.0 - ratio_squared * ratio_squared, 0.0);
-    let axis = lights[light].axis;
-    let cosine = -(axis.x * toward.x + axis.y * toward.y + axis.z * toward.z) / distance;
-    let cone = min(max(cosine * lights[light].cone_scale + lights[light].cone_offset, 0.0), 1.0);
-    return window / squared * (cone * cone);
+    return light_reach(light, toward) / squared;
 }
 
 fn softened_terminator(cosine: f32, deviation: f32) -> f32 {
