@@ -293,7 +293,12 @@ impl SeenLight<'_> {
                 let high = sorted.get(sorted.len() * HIGH_PERCENT / 100).copied().unwrap_or(0.0);
                 let most = sorted.last().copied().unwrap_or(0.0);
                 let pixels = metres.iter().map(|metres| heat(metres / high.max(f32::MIN_POSITIVE))).collect();
-                (pixels, format!("black is no bias, white {high} m and more; the most is {most} m"))
+                (
+                    pixels,
+                    format!(
+                        "black is no bias, white {high} m and more; the most is {most} m; casters that are drawn deeper and what is read off the map are not part of it"
+                    ),
+                )
             }
         })
     }

@@ -143,7 +143,8 @@ impl Amounts {
             vertices: job.scene.vertices().positions.len() as u64,
             triangles: job.scene.triangles().len() as u64,
             texels: job.scene.images().iter().map(|image| image.texels.len() as u64).sum(),
-            views: plan.views.len() as u64,
+            // One more where maps hold second surfaces: the map of the first.
+            views: plan.map_bytes() / (u64::from(plan.map_size).pow(2) * NUMBER),
             map_texels: u64::from(plan.map_size).pow(2),
             pixels: u64::from(plan.camera.width) * u64::from(plan.camera.height),
             lights: plan.lights.len() as u64,

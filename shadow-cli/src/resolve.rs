@@ -177,7 +177,7 @@ fn settings_of_lights(scene: &Scene, shadowing: &Shadowing, args: &ShadowArgs) -
 }
 
 /// The plan with its composition, within the budget.
-fn composed(plan: FramePlan, args: &ShadowArgs) -> Result<FramePlan, CliError> {
+pub(crate) fn composed(plan: FramePlan, args: &ShadowArgs) -> Result<FramePlan, CliError> {
     let composition = match (args.composition.as_str(), args.shadow_color) {
         ("modulative", color) => Composition::Modulative(color.unwrap_or(OGRE_SHADOW_COLOR)),
         (_, None) => Composition::Additive,

@@ -118,7 +118,7 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     let footprint = footprint(light, view, receiver, w);
     let needed = needed_depth(light, view, receiver.point, receiver.normal, w, footprint);
     let offset = normal_offset(light, view, receiver.point, normal, needed, w);
-    let mut bias = depth_bias(light, view, needed, w);
+    let mut bias = linear_bias(view, w, depth_bias(light, view, needed, w));
     if offset > 0.0 {
         bias = 0.0;
     }
@@ -151,17 +151,7 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     if light.filter == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    Lookup {
-        view: view_index,
-        known: 0.0,
-        texel,
-        depth: z.min(farthest),
-        bias: linear_bias(view, w, bias),
-        turn,
-        footprint,
-        slope,
-        slope_limit,
-    }
+    Lookup { view: view_index, known: 0.0, texel, depth: z.min(farthest), bias, turn, footprint, slope, slope_limit }
 }
 
 /// The sides of a receiver's pixel in a view's map, in texels; zero where the filter does not look at them. `w` is the receiver's.

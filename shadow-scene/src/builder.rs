@@ -308,7 +308,8 @@ impl SceneBuilder {
             sort_by_pass(&self.materials, &self.instances, &areas, &self.triangles, &self.triangle_materials);
         Ok(Scene {
             origin: self.origin,
-            deviations: vertex_deviations(&self.vertices, &triangles),
+            // Needles, which are not drawn, have a normal of chance.
+            deviations: vertex_deviations(&self.vertices, &triangles[..pass_triangles[Pass::COUNT - 1].end as usize]),
             vertices: self.vertices,
             triangles,
             triangle_materials,

@@ -147,10 +147,9 @@ impl FramePlan {
             let first = views.len();
             let settings = &ShadowSettings { map_size, ..settings(index, light) };
             let picture = |plan: &mut LightPlan| {
-                let Some((index, image)) = light.picture.and_then(|index| Some((index, scene.images().get(index as usize)?)))
-                else {
-                    return Ok(());
-                };
+                let Some(index) = light.picture else { return Ok(()) };
+                let count = scene.images().len();
+                let image = scene.images().get(index as usize).ok_or(PlanError::MissingPicture { index, count })?;
                 plan_picture(plan, &light.light, first_word_of(scene, index), image.width, image.height)
             };
             if !(light.casts_shadows && is_any_cast) {
@@ -192,6 +191,10 @@ impl FramePlan {
     /// others are added to it, one for each light, and with modulative composition it has all lights without any shadow, and the others multiply it.
     #[must_use]
     pub fn passes(&self) -> Vec<CameraPlan> {
+        // What is not composed of lights and shadows has nothing to be taken apart.
+        if !matches!(self.camera.composition, COMPOSE_ADDITIVE | COMPOSE_MODULATIVE) {
+            return vec![self.camera];
+        }
         let count = self.camera.light_count;
         let is_additive = self.camera.composition == COMPOSE_ADDITIVE;
         let first = if is_additive {

@@ -275,12 +275,9 @@ pub(crate) fn vertex_deviations(vertices: &Vertices, triangles: &[[u32; 3]]) -> 
         let [p0, p1, p2] = corners.map(|corner| vertices.positions[corner]);
         let [n0, n1, n2] = corners.map(|corner| vertices.normals[corner]);
         let facet = (p1 - p0).cross(p2 - p0);
-        // A triangle without an area is not drawn.
-        if facet.length_squared() > 0.0 {
-            let deviation = facet_deviation(facet, n0, n1, n2);
-            for corner in corners {
-                deviations[corner] = deviations[corner].max(deviation);
-            }
+        let deviation = facet_deviation(facet, n0, n1, n2);
+        for corner in corners {
+            deviations[corner] = deviations[corner].max(deviation);
         }
     }
     deviations

@@ -5,7 +5,7 @@ use shadow_cpu::{
     measure::{Cause, Judge},
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_math::{Composition, ShadowSettings, settings::OGRE_SHADOW_COLOR, srgb::linear_to_srgb};
+use shadow_math::{Composition, ShadowSettings, plan::COMPOSE_UNSHADOWED, settings::OGRE_SHADOW_COLOR, srgb::linear_to_srgb};
 use shadow_scene::{
     Frame, FramePlan, FramePlanError, LayerName, LightPasses, Request, Scene, SceneLight, builtin, compare::Contract,
 };
@@ -40,6 +40,7 @@ fn frames(scene: &Scene, plan: &FramePlan) -> [Frame; 2] {
 fn difference(a: &Frame, b: &Frame) -> f32 {
     let encode = |frame: &Frame| -> Vec<f32> {
         let color = frame.color().expect("it was asked for");
+        assert!(color.as_flattened().iter().all(|channel| channel.is_finite()), "{}: a color is no number", frame.source);
         color.as_flattened().iter().map(|&channel| 255.0 * linear_to_srgb(channel.clamp(0.0, 1.0))).collect()
     };
     encode(a).iter().zip(encode(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
@@ -150,6 +151,17 @@ fn what_casts_no_shadow_is_left_out_by_all() {
     assert!(plan_of(&nothing, Composition::Additive, LightPasses::One).views.is_empty());
     let all = nothing.with_casters(|_, _| true);
     assert_eq!(all.triangles(), with.triangles(), "the order is back");
+}
+
+/// A picture without shadows is the same in however many passes the lights are drawn.
+#[test]
+fn a_picture_without_shadows_has_no_passes() {
+    let scene = demo();
+    let mut plan = plan_of(&scene, Composition::Modulative(OGRE_SHADOW_COLOR), LightPasses::Each);
+    plan.camera.composition = COMPOSE_UNSHADOWED;
+    let each = frames(&scene, &plan);
+    let one = frames(&scene, &FramePlan { light_passes: LightPasses::One, ..plan });
+    assert!(each[0].color() == one[0].color() && each[1].color() == one[1].color());
 }
 
 #[test]

@@ -9,6 +9,7 @@ use shadow_math::{
     Bias, Filter, Light, LightKind, ShadowSettings, Store, Texels,
     bias::gradient_by_plane,
     plan::ViewPlan,
+    rounding::step_rounding,
     settings::{BiasParts, Ogre2006, PolygonOffset},
     triangle::pixel_ray,
 };
@@ -81,8 +82,12 @@ fn every_store_holds_what_rays_meet() {
                 for x in (0..MAP).step_by(3) {
                     let surfaces = surfaces_behind(&tracer, view, x, y);
                     let stored = f64::from(map[(y * MAP + x) as usize]);
-                    // Half a step of 16 bits; and what snapped corners leave open on the slopes of the demo, whose steepest change by a texel's width of depth.
-                    let tolerance = 0.5 / 65_535.0 * 1.01 + 2e-5;
+                    // Half a step; and what snapped corners leave open on the slopes of the demo, whose steepest change by a texel's width of depth.
+                    let steps = f64::from(store.steps());
+                    let tolerance = if steps > 0.0 { step_rounding(store.steps()) } else { 0.0 } + 2e-5;
+                    // The quotient of a whole number and the steps, as f32 has it.
+                    let whole = (stored * steps).round();
+                    assert!(steps == 0.0 || stored == f64::from((whole / steps) as f32), "{store:?}: {stored} is no step");
                     off += usize::from((stored - expected(store, view, surfaces)).abs() > tolerance);
                     held += usize::from(surfaces[0].is_some());
                 }

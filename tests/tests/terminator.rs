@@ -57,7 +57,7 @@ fn a_soft_terminator_leaves_no_step() {
         let ((hard_step, hard_most), (soft_step, soft_most)) = (mean_step(hard), mean_step(soft));
         // A facet of a sphere of 24 segments leans away by up to 7.5 degrees, whose sine is the most light that is cut off.
         assert!(hard_step > 0.02 * hard_most, "{hard_step} of {hard_most}");
-        // Neighbours of a facet that turns away may deviate less than it, and have a little light left.
+        // Light has left both sides of such an edge; what is left of steps comes of pixels, whose centres lie a little beside it.
         assert!(soft_step < 0.02 * hard_step, "{soft_step} in place of {hard_step}");
         // What faces the light stays as bright.
         assert!((hard_most - soft_most).abs() < 1e-3 * hard_most, "{hard_most} {soft_most}");

@@ -91,7 +91,8 @@ pub(crate) struct ShadowArgs {
     /// What becomes of light where the facets of smooth meshes turn away from it: hard or soft
     ///
     /// A facet that turns away is in its own shadow even where the mesh's smooth normal still faces the light. hard ends the light there, all at once and along the facets' edges; soft lets
-    /// it fade out before any facet can turn away, at the price that the terminator moves toward the light: on coarse meshes by more.
+    /// it fade out before any facet can turn away, at the price that the terminator moves toward the light: on coarse meshes by more. It is light that fades: modulative shadows, which
+    /// multiply, keep their edge.
     #[arg(long, value_name = "hard|soft", default_value = "hard", value_parser = terminator, help_heading = "Shadows")]
     pub(crate) terminator: Terminator,
 }

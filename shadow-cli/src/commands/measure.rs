@@ -26,7 +26,7 @@ use crate::{
     memory::{self, Work},
     output::{make_folder, write_text},
     presets::Engine,
-    resolve::Job,
+    resolve::{Job, composed},
     settings_file::{NamedSettings, SettingsReport, read},
     shadowing::Shadowing,
     statistics::Spread,
@@ -280,15 +280,15 @@ fn techniques(job: &Job, args: &MeasureArgs, from_files: Vec<Technique>) -> Resu
 
 fn plan(job: &Job, technique: &Technique, args: &MeasureArgs) -> Result<FramePlan, CliError> {
     let size = args.picture.size;
-    technique
-        .shadowing
-        .plan(&job.scene, &job.camera, (size.width, size.height), args.picture.exposure)
-        .map_err(|source| CliError::Technique { name: technique.name.clone(), source })
+    let failed = |source| CliError::Technique { name: technique.name.clone(), source };
+    let plan =
+        technique.shadowing.plan(&job.scene, &job.camera, (size.width, size.height), args.picture.exposure).map_err(failed)?;
+    composed(plan, &args.picture.shadows)
 }
 
 /// Bytes of all maps of a plan: 32-bit floats.
 fn map_bytes(plan: &FramePlan) -> u64 {
-    plan.views.len() as u64 * u64::from(plan.map_size).pow(2) * size_of::<f32>() as u64
+    plan.map_bytes()
 }
 
 /// The colours that the picture would have with true visibilities.

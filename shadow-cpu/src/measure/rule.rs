@@ -25,6 +25,8 @@ pub enum AlongNormal {
     Texels(f32),
     /// By so many texels times the sine of the angle between normal and light.
     TexelsTimesSine(f32),
+    /// By so many texels times one minus the cosine of that angle.
+    TexelsTimesOneMinusCosine(f32),
     /// By so many texels times one minus the cosine of that angle, and back along the light until it is a step across it.
     AcrossLight(f32),
 }
@@ -156,11 +158,12 @@ pub const ENGINES: [EngineRule; 7] = {
         EngineRule {
             name: "Godot 4",
             directional: engine(AlongNormal::AcrossLight(2.0), 0.001, 0.0, 0.0),
-            spot: engine(AlongNormal::AcrossLight(1.0), 0.0003, 0.0, 0.0),
-            point: engine(AlongNormal::AcrossLight(1.0), 0.001, 0.0, 0.0),
+            spot: engine(AlongNormal::TexelsTimesOneMinusCosine(5.0), 0.03, 0.0, 0.0),
+            point: engine(AlongNormal::AcrossLight(5.0), 0.1, 0.0, 0.0),
             casts_back_faces: false,
-            what: "shadow_bias 0.1 (spot 0.03; its shaders take a hundredth, in metres toward the light), shadow_normal_bias 2 texels (spot and point 1) times one minus the \
-                   cosine, across the light; its scaling by split and filter quality is not expressed",
+            what: "shadow_bias 0.1 (for directional lights its shaders take a hundredth, in metres toward the light; for omni lights metres; a spot light's 0.03 is added to clip z in hundredths, which is 0.03 m \
+                   half-way through its default range), shadow_normal_bias 2 texels times one minus the cosine, across the light (spot and omni 1, which is ten over the map's size of the distance: five texels of a \
+                   right angle; along the normal for spot lights, across the light for omni lights); its scaling by split and filter quality is not expressed",
         },
     ]
 };
@@ -237,6 +240,7 @@ impl Rule {
                         AlongNormal::Nothing => Vec3::ZERO,
                         AlongNormal::Texels(texels) => normal * texels,
                         AlongNormal::TexelsTimesSine(texels) => normal * (texels * (1.0 - cosine * cosine).sqrt()),
+                        AlongNormal::TexelsTimesOneMinusCosine(texels) => normal * (texels * (1.0 - cosine)),
                         AlongNormal::AcrossLight(texels) => (normal - direction * cosine) * (texels * (1.0 - cosine)),
                     };
                 let gradient = depth_gradient(view, point, normal).abs();
@@ -314,6 +318,11 @@ mod tests {
             (engine(AlongNormal::Nothing, (0.25, 0.0, 0.0, 0.0, 0.0, f32::INFINITY)), 0.0, 0.25),
             (engine(AlongNormal::Texels(8.0), NOTHING_ELSE), 8.0 * sine, 8.0 * texel * cosine),
             (engine(AlongNormal::TexelsTimesSine(8.0), NOTHING_ELSE), 8.0 * sine * sine, 8.0 * texel * sine * cosine),
+            (
+                engine(AlongNormal::TexelsTimesOneMinusCosine(8.0), NOTHING_ELSE),
+                8.0 * (1.0 - cosine) * sine,
+                8.0 * texel * (1.0 - cosine) * cosine,
+            ),
             (engine(AlongNormal::AcrossLight(8.0), NOTHING_ELSE), 8.0 * (1.0 - cosine) * sine, 0.0),
         ] {
             let (found_texels, found_metres, bias) = beyond_nothing(rule);

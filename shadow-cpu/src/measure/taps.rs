@@ -177,7 +177,12 @@ impl<'a> Taps<'a> {
 
     /// The gap that the bias leaves: how far before the receiver's plane the depth lies that is compared, in metres along the light's ray through the lookup.
     pub(super) fn gap_metres(&self, light: &SceneLight, lookup: &Lookup) -> f64 {
-        let depth = z_over_w(self.view, f64::from(lookup.depth) - f64::from(lookup.bias));
+        let compared = f64::from(lookup.depth) - f64::from(lookup.bias);
+        // A bias that reaches back to the light lights everything: linear depth has values there that no distance has.
+        if self.view.depth_kind == DEPTH_LINEAR && compared < 0.0 {
+            return f64::INFINITY;
+        }
+        let depth = z_over_w(self.view, compared);
         let Some(behind) = self.behind(lookup) else { return 0.0 };
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
         let depth_behind = forward_depth(self.view, row(self.view.clip_z) / row(self.view.clip_w));

@@ -127,7 +127,10 @@ impl SurfaceSpan {
         let color = Vec3::new(camera.shadow_color[0], camera.shadow_color[1], camera.shadow_color[2]);
         for i in 0..SPAN {
             let reach = light_reach(light, toward_light(light, hits.point.get(i)));
-            factor.set(i, factor.get(i) * shadow_factor(color, visibility[i], reach));
+            let own = shadow_factor(color, visibility[i], reach);
+            // Where a slide is dark its light has no shadow.
+            let picture = picture_color(words, light, hits.point.get(i));
+            factor.set(i, factor.get(i) * (Vec3::ONE - (Vec3::ONE - own) * picture));
         }
         self.add_light(words, light, hits, &[1.0; SPAN], radiance);
     }

@@ -37,7 +37,8 @@ pub(crate) struct MapStyle {
 impl MapStyle {
     /// How opaque casters of both sides are drawn into a view's map; the first surface of those that hold a second one.
     pub(crate) fn of(view: &ViewPlan) -> Self {
-        let is_plain = view.has_plain_casters() || view.depth_layer != LAYER_FIRST;
+        // First surfaces are drawn as second ones are, so that a driver gives both the same depth.
+        let is_plain = view.has_plain_casters() && view.depth_layer == LAYER_FIRST;
         Self {
             drawn: if is_plain { Drawn::Depth } else { Drawn::Stored },
             // Linear depth is drawn with reversed depth and turned round: the smallest wins.

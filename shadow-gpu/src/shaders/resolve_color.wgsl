@@ -36,12 +36,14 @@ fn pixel_color(triangle: u32, x: f32, y: f32) -> vec4f {
     var radiance = shade_ambient(camera.ambient, surface);
     var factor = vec3f(1.0, 1.0, 1.0);
     for (var light = camera.first_light; light < camera.first_light + camera.light_count; light++) {
+        let picture = picture_color(light, hit.point);
         var seen_share = textureLoad(visibilities, vec2u(vec2f(x, y)), light, 0).x;
         if camera.composition != COMPOSE_ADDITIVE {
-            factor *= shadow_factor(camera.shadow_color, seen_share, light_reach(light, toward_light(light, hit.point)));
+            let own = shadow_factor(camera.shadow_color, seen_share, light_reach(light, toward_light(light, hit.point)));
+            factor *= vec3f(1.0, 1.0, 1.0) - (vec3f(1.0, 1.0, 1.0) - own) * picture;
             seen_share = 1.0;
         }
-        radiance += shade_light(light, surface, seen_share) * picture_color(light, hit.point);
+        radiance += shade_light(light, surface, seen_share) * picture;
     }
     if camera.composition == COMPOSE_FACTOR {
         return vec4f(factor, 1.0);

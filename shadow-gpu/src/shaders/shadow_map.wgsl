@@ -103,7 +103,8 @@ fn stored_fragment(vertex: StoredVertex, @builtin(front_facing) is_front: bool) 
 fn second_fragment(vertex: StoredVertex, @builtin(front_facing) is_front: bool) -> @builtin(frag_depth) f32 {
     let first = textureLoad(first_surface, vec2u(vertex.clip.xy), 0).x;
     let second = min(max(vertex.clip.z, 0.0), 1.0);
-    if is_left_out(vertex, is_front) || !(second > first) {
+    // At the far plane's depth there is nothing, be it drawn or not.
+    if is_left_out(vertex, is_front) || !(second > first && second < 1.0) {
         discard;
     }
     return depth_of_two(vertex.view, first, second);

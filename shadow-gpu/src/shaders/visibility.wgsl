@@ -67,7 +67,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     let sides = footprint(light, view, receiver, receiver_w);
     let needed = needed_depth(light, view, receiver.point, receiver.normal, receiver_w, sides);
     let offset = normal_offset(light, view, receiver.point, normal, needed, receiver_w);
-    var bias = depth_bias(light, view, needed, receiver_w);
+    var bias = linear_bias(view, receiver_w, depth_bias(light, view, needed, receiver_w));
     if offset > 0.0 {
         bias = 0.0;
     }
@@ -105,7 +105,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
     if filter_kind(light) == FILTER_DISC {
         turn = turn_of_pixel(receiver.pixel);
     }
-    return Lookup(view, 0.0, texel, min(z, limits.y), linear_bias(view, w, bias), turn, sides, slope, slope_limit);
+    return Lookup(view, 0.0, texel, min(z, limits.y), bias, turn, sides, slope, slope_limit);
 }
 
 fn visibility(light: u32, receiver: Receiver) -> f32 {

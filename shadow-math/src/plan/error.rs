@@ -32,6 +32,13 @@ pub enum PlanError {
     ReceiverGradient(f32),
     /// The slope bias is for taps that are compared with the receiver's own depth, and a receiver plane corrects them.
     SlopeWithReceiverPlane,
+    /// A picture that the scene does not have.
+    MissingPicture {
+        /// Its index.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
     /// A picture for a light that is no spot light, or too wide a one.
     PictureOfOtherLight,
     /// A number of a polygon offset is negative or not finite.
@@ -120,6 +127,9 @@ impl core::fmt::Display for PlanError {
             Self::SlopeWithReceiverPlane => f.write_str(
                 "the slope bias and the receiver plane are two remedies for the same slope; leave one of them out",
             ),
+            Self::MissingPicture { index, count } => {
+                write!(f, "the light is to project picture {index}, but the scene has {count} images, counted from 0")
+            }
             Self::PictureOfOtherLight => f.write_str(
                 "only a spot light whose outer angle is at most 70 degrees can project a picture; choose another light, or leave the picture out",
             ),
