@@ -35,7 +35,10 @@ pub const MAX_DEPTH_BIAS: f32 = 1.0;
 ///
 /// The gradient is a quotient of two dot products of three terms each. Their terms cancel only as far as the receiver is seen
 /// edge-on; at 89 degrees they have lost six bits of 24. `2^-14` covers that with a margin and costs no texel anything.
-pub const GRADIENT_MARGIN: f32 = 1.0 + 1.0 / 16_384.0;
+pub const GRADIENT_MARGIN: f32 = 1.0 + GRADIENT_ROUNDING;
+
+/// By what share of itself the gradient can be off.
+pub const GRADIENT_ROUNDING: f32 = 1.0 / 16_384.0;
 
 /// The tangent of the angle between a plane's normal and the light from which on the automatic bias moves lookups along the normal.
 ///
@@ -56,10 +59,12 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
     let gradient = depth_gradient(view, point, normal);
     // A constant factor comes before the variable ones: shader compilers move it there.
     let slope = (gradient.x.abs() + gradient.y.abs()) * GRADIENT_MARGIN;
-    // Taps that are compared with the receiver's plane need nothing for where they lie.
-    let mut reach = 0.0;
-    if light.bias & BIAS_RECEIVER_PLANE == 0 {
-        reach = filter::support(light, gradient, footprint) * light.slope_scale;
+    let mut reach = filter::support(light, gradient, footprint);
+    // Taps that are compared with the receiver's plane need nothing for where they lie but what the plane's own gradient is off.
+    if light.bias & BIAS_RECEIVER_PLANE != 0 {
+        reach *= GRADIENT_ROUNDING;
+    } else {
+        reach *= light.slope_scale;
     }
     let texels = reach + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
     let mut rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;

@@ -3,6 +3,7 @@
 const MAX_DEPTH_BIAS: f32 = 1.0;
 const OFFSET_SLOPE: f32 = 24.0;
 const GRADIENT_MARGIN: f32 = 1.00006103515625;
+const GRADIENT_ROUNDING: f32 = 0.00006103515625;
 
 fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
     let w_before = w - views[view].w_per_metre * metres;
@@ -18,10 +19,12 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
     let slope = (abs(gradient.x) + abs(gradient.y)) * GRADIENT_MARGIN;
     let rounding_texels = views[view].rounding_texels;
     let rounding_depth = views[view].rounding_depth;
-    // Taps that are compared with the receiver's plane need nothing for where they lie.
-    var reach = 0.0;
-    if (bias_kind(light) & BIAS_RECEIVER_PLANE) == 0u {
-        reach = support(light, gradient, footprint) * lights[light].slope_scale;
+    var reach = support(light, gradient, footprint);
+    // Taps that are compared with the receiver's plane need nothing for where they lie but what the plane's own gradient is off.
+    if (bias_kind(light) & BIAS_RECEIVER_PLANE) != 0u {
+        reach *= GRADIENT_ROUNDING;
+    } else {
+        reach *= lights[light].slope_scale;
     }
     let texels = reach + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
     var rounding = rounding_depth.x + rounding_depth.y / w;
