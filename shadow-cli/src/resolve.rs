@@ -301,7 +301,8 @@ mod tests {
 
     #[test]
     fn the_bias_takes_its_default_length_from_its_kind() {
-        let bias = |options: &str| job(options).map(|job| job.shadowing.of_first(&job.scene).bias).unwrap();
+        let bias =
+            |options: &str| job(options).map(|job| job.shadowing.of_first(&job.scene).bias).expect("the options make a job");
         assert_eq!(bias(""), Bias::Automatic);
         assert_eq!(bias("--bias slope"), Bias::Parts(BiasParts { slope: Some(1.0), ..BiasParts::NONE }));
         assert_eq!(bias("--bias slope --bias-constant 0.5"), Bias::slope(1.0, 0.5));
