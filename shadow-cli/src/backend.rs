@@ -10,7 +10,7 @@ use shadow_cpu::{
 };
 use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene};
 use shadow_math::LightShape;
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, LightPasses, Request, Scene, StageTimes};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, Request, Scene, StageTimes};
 
 use crate::{
     args::{Backend, MachineArgs},
@@ -283,11 +283,7 @@ impl TraceBackend<'_> {
         let lights = needs_lights.then(|| self.tracer.lights(&seen, self.sampling, &step));
         let color = lights.as_ref().filter(|_| request.color).map(|lights| {
             let camera = CameraBuffer { triangles: seen.triangles().into(), ..CameraBuffer::default() };
-            match plan.light_passes {
-                LightPasses::One => self.shader.color(&self.prepared, plan, &camera, &lights.visibility()),
-                LightPasses::Each => self.shader.color_by_passes(&self.prepared, plan, &camera, &lights.visibility()),
-            }
-            .into_vec()
+            self.shader.color(&self.prepared, plan, &camera, &lights.visibility()).into_vec()
         });
         let times = stage_times([start, camera_done, camera_done, Instant::now()]);
         (self.tracer.frame(&seen, lights.as_ref(), color, request), times)

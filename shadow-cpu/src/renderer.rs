@@ -6,7 +6,10 @@ use std::{
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use shadow_math::{depth::LAYER_FIRST, plan::COMPOSE_ADDITIVE};
+use shadow_math::{
+    depth::LAYER_FIRST,
+    plan::{COMPOSE_FACTOR, CameraPlan},
+};
 use shadow_scene::{
     Frame, FramePlan, Layer, LayerName, LightPasses, NO_TRIANGLE, Pass, Pixels, Request, Scene, StageTimes, Surfaces,
 };
@@ -227,38 +230,7 @@ impl CpuRenderer {
         visibility
     }
 
-    /// The colour of every pixel as [`Self::color`] has it, in a pass for each light: added up, or multiplied, as [`FramePlan::passes`] says.
-    ///
-    /// # Panics
-    ///
-    /// As [`Self::color`].
-    #[must_use]
-    pub fn color_by_passes(
-        &self,
-        prepared: &PreparedScene<'_>,
-        plan: &FramePlan,
-        camera: &CameraBuffer,
-        visibility: &[f32],
-    ) -> Buffer<[f32; 4]> {
-        let mut passes = plan.passes().into_iter().map(|camera| FramePlan { camera, ..plan.clone() });
-        let pass = |plan: &FramePlan| self.color(prepared, plan, camera, visibility);
-        let mut color = passes.next().map_or_else(|| self.colors.take(camera.triangles.len()), |plan| pass(&plan));
-        let is_additive = plan.camera.composition == COMPOSE_ADDITIVE;
-        for plan in passes {
-            let more = pass(&plan);
-            for ((color, more), &triangle) in color.iter_mut().zip(more.iter()).zip(camera.triangles.iter()) {
-                if triangle == NO_TRIANGLE {
-                    continue;
-                }
-                for (channel, more) in color.iter_mut().zip(more).take(3) {
-                    *channel = if is_additive { *channel + more } else { *channel * more };
-                }
-            }
-        }
-        color
-    }
-
-    /// The colour of every pixel, from visibilities wherever they come from: the lights of a pixel side by side.
+    /// The colour of every pixel, from visibilities wherever they come from: the lights of a pixel side by side. In as many passes as the plan says, added up or multiplied.
     ///
     /// # Panics
     ///
@@ -271,8 +243,24 @@ impl CpuRenderer {
         camera: &CameraBuffer,
         visibility: &[f32],
     ) -> Buffer<[f32; 4]> {
-        let mut color = self.colors.take(camera.triangles.len());
-        self.threads.install(|| resolve_color(prepared.view(), plan, &camera.triangles, visibility, &mut color));
+        let draw = |pass: CameraPlan| {
+            let mut color = self.colors.take(camera.triangles.len());
+            let plan = FramePlan { camera: pass, ..plan.clone() };
+            self.threads.install(|| resolve_color(prepared.view(), &plan, &camera.triangles, visibility, &mut color));
+            color
+        };
+        let mut color = draw(plan.first_pass());
+        for pass in plan.passes_of_lights() {
+            let of_light = draw(pass);
+            for ((color, of_light), &triangle) in color.iter_mut().zip(of_light.iter()).zip(camera.triangles.iter()) {
+                if triangle == NO_TRIANGLE {
+                    continue;
+                }
+                for (channel, of_light) in color.iter_mut().zip(of_light).take(3) {
+                    *channel = if pass.composition == COMPOSE_FACTOR { *channel * of_light } else { *channel + of_light };
+                }
+            }
+        }
         color
     }
 
@@ -285,6 +273,11 @@ impl CpuRenderer {
         maps: &ShadowMaps,
         request: Request,
     ) -> (Buffer<f32>, Buffer<[f32; 4]>) {
+        if request.color && plan.light_passes == LightPasses::Each {
+            let visibility = self.visibility(prepared, plan, camera, maps);
+            let color = self.color(prepared, plan, camera, &visibility);
+            return (visibility, color);
+        }
         let pixels = camera.triangles.len();
         let mut visibility = if request.visibility { self.floats.take(pixels * plan.lights.len()) } else { Buffer::default() };
         let mut color = if request.color { self.colors.take(pixels) } else { Buffer::default() };
@@ -308,13 +301,7 @@ impl CpuRenderer {
         let maps = if needs_maps { self.shadow_maps(prepared, plan) } else { ShadowMaps::default() };
         let maps_done = Instant::now();
         let (visibility, color) = if needs_shading {
-            let is_by_passes = request.color && plan.light_passes == LightPasses::Each;
-            // Passes read visibilities, whether these are wanted or not.
-            let needed =
-                Request { visibility: request.visibility || is_by_passes, color: request.color && !is_by_passes, ..request };
-            let (visibility, color) = self.shade(prepared, plan, &camera, &maps, needed);
-            let color = if is_by_passes { self.color_by_passes(prepared, plan, &camera, &visibility) } else { color };
-            (visibility, color)
+            self.shade(prepared, plan, &camera, &maps, request)
         } else {
             (Buffer::default(), Buffer::default())
         };

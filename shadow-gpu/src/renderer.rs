@@ -8,7 +8,7 @@ use shadow_math::{
     depth::DEPTH_Z_OVER_W,
     plan::{LightPlan, ViewPlan},
 };
-use shadow_scene::{Frame, FramePlan, Layer, LayerName, LightPasses, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
+use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
 use crate::{
@@ -432,13 +432,7 @@ impl GpuRenderer {
             _ => None,
         };
         let color = match (&camera, &visibility) {
-            (Some(camera), Some(visibility)) if request.color => {
-                if plan.light_passes == LightPasses::Each {
-                    Some(self.color_by_passes(scene, plan, camera, visibility).await?)
-                } else {
-                    Some(self.color(scene, plan, camera, visibility).await?)
-                }
-            }
+            (Some(camera), Some(visibility)) if request.color => Some(self.color(scene, plan, camera, visibility).await?),
             _ => None,
         };
         let shading_done = Instant::now();

@@ -44,7 +44,7 @@ pub enum LightPasses {
     /// All lights in one pass.
     #[default]
     One,
-    /// A pass for each light, added to or multiplied with those before: see [`FramePlan::passes`].
+    /// A pass for each light, added to or multiplied with those before: see [`FramePlan::passes_of_lights`].
     Each,
 }
 
@@ -187,29 +187,35 @@ impl FramePlan {
         Ok(self)
     }
 
-    /// The passes into which a picture of these lights can be taken apart, as programs do that know one light at a time. The first is drawn as it is; with additive composition the
-    /// others are added to it, one for each light, and with modulative composition it has all lights without any shadow, and the others multiply it.
+    /// What the first pass draws: the whole picture, or what [`Self::passes_of_lights`] are blended with.
     #[must_use]
-    pub fn passes(&self) -> Vec<CameraPlan> {
-        // What is not composed of lights and shadows has nothing to be taken apart.
-        if !matches!(self.camera.composition, COMPOSE_ADDITIVE | COMPOSE_MODULATIVE) {
-            return vec![self.camera];
+    pub fn first_pass(&self) -> CameraPlan {
+        match (self.light_passes, self.camera.composition) {
+            // The light from everywhere.
+            (LightPasses::Each, COMPOSE_ADDITIVE) => CameraPlan { light_count: 0, ..self.camera },
+            (LightPasses::Each, COMPOSE_MODULATIVE) => CameraPlan { composition: COMPOSE_UNSHADOWED, ..self.camera },
+            _ => self.camera,
         }
-        let count = self.camera.light_count;
-        let is_additive = self.camera.composition == COMPOSE_ADDITIVE;
-        let first = if is_additive {
-            CameraPlan { light_count: 0, ..self.camera }
-        } else {
-            CameraPlan { composition: COMPOSE_UNSHADOWED, ..self.camera }
+    }
+
+    /// The passes that follow, one for each light, as programs draw a picture that know one light at a time: added to what is there with additive composition, and with modulative
+    /// composition multiplied with it ([`COMPOSE_FACTOR`]). None where one pass draws all, or where nothing is composed of lights and shadows.
+    pub fn passes_of_lights(&self) -> impl Iterator<Item = CameraPlan> + '_ {
+        let composition = match (self.light_passes, self.camera.composition) {
+            (LightPasses::Each, COMPOSE_ADDITIVE) => Some(COMPOSE_ADDITIVE),
+            (LightPasses::Each, COMPOSE_MODULATIVE) => Some(COMPOSE_FACTOR),
+            _ => None,
         };
-        let of_light = |light: u32| CameraPlan {
+        let of_light = |light: u32, composition| CameraPlan {
             first_light: light,
             light_count: 1,
             ambient: [0.0; 3],
-            composition: if is_additive { COMPOSE_ADDITIVE } else { COMPOSE_FACTOR },
+            composition,
             ..self.camera
         };
-        core::iter::once(first).chain((0..count).map(of_light)).collect()
+        composition
+            .into_iter()
+            .flat_map(move |composition| (0..self.camera.light_count).map(move |light| of_light(light, composition)))
     }
 
     /// How much memory the maps take, in bytes: 32 bits a texel, and as much as one more map where maps hold second surfaces, for the first.

@@ -68,7 +68,7 @@ fn many_passes_are_one_pass() {
 fn a_plan_in_passes_has_each_light_once() {
     let scene = demo();
     let plan = plan_of(&scene, Composition::Additive, LightPasses::Each);
-    let passes = plan.passes();
+    let passes: Vec<_> = core::iter::once(plan.first_pass()).chain(plan.passes_of_lights()).collect();
     assert_eq!(
         passes.iter().map(|pass| (pass.first_light, pass.light_count)).collect::<Vec<_>>(),
         [(0, 0), (0, 1), (1, 1), (2, 1)]
