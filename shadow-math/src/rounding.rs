@@ -15,7 +15,9 @@
 //! most `12 u g L^2 / h`: 12 u L^2 / h texels. That has no bound over all triangles. The bound here holds where `L^2 / h` is at most
 //! [`MAX_TRIANGLE_LENGTH`] times the size of the map: any well-shaped triangle, a fan of up to a hundred triangles or eight strips across the whole
 //! map, and slivers of any kind that are short. A longer sliver can shadow itself in single samples: a
-//! disc of 3000 triangles across a map of 2048 texels did in one pixel of 900,000. A triangle that the light sees edge-on has a slope without a bound, and
+//! disc of 3000 triangles across a map of 2048 texels did in one pixel of 900,000. Clipping at the sides of a view cuts such slivers from triangles that are well
+//! shaped: of random planes cut into strips or fans, under lights of all kinds, one in 300 had one. What a filter's width needs hides them, and only a bias that leaves nothing for it, as the receiver
+//! plane's, shows them. A triangle that the light sees edge-on has a slope without a bound, and
 //! where its image is thinner than the rounding of its corners a rasteriser can give it any depth at all, in the few samples that it covers.
 
 use glam::{DMat4, DVec4, Vec3};

@@ -94,8 +94,6 @@ pub const MAX_DEVIATION: f32 = 1.0 / 3.0;
 #[inline(always)]
 #[must_use]
 pub fn facet_deviation(facet: Vec3, n0: Vec3, n1: Vec3, n2: Vec3) -> f32 {
-    #[cfg(not(feature = "std"))]
-    use crate::float::FloatFuncs;
     let facet = unit_normal(facet);
     let nearest = n0.dot(facet).abs().min(n1.dot(facet).abs()).min(n2.dot(facet).abs());
     let sine = (1.0 - nearest * nearest).max(0.0).sqrt();

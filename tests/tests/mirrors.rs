@@ -67,6 +67,16 @@ impl From<f32> for Number {
     }
 }
 
+/// Lights, and vectors toward them from points around: once from the light itself.
+fn lights_and_offsets(world: &World, random: &mut Random) -> Vec<f32> {
+    let zero: Vec<_> = (0..world.globals.lights.len()).map(|light| [light as f32, 0.0, 0.0, 0.0]).collect();
+    random.groups(&zero, |random| {
+        let [light, x, y, z] = world.light_and_point(random);
+        let toward = toward_light(world.light(light), Vec3::new(x, y, z));
+        [light, toward.x, toward.y, toward.z]
+    })
+}
+
 /// A function and how it is tested.
 struct Mirror {
     /// The stem of the WGSL file.
@@ -1008,14 +1018,7 @@ const TABLE: &[Mirror] = &[
         functions: &["attenuation"],
         statements: "output(0u, attenuation(u32(input(0u)), input3(1u)));",
         inputs_each: 4,
-        inputs: |world, random| {
-            let zero: Vec<_> = (0..world.globals.lights.len()).map(|light| [light as f32, 0.0, 0.0, 0.0]).collect();
-            random.groups(&zero, |random| {
-                let [light, x, y, z] = world.light_and_point(random);
-                let toward = toward_light(world.light(light), Vec3::new(x, y, z));
-                [light, toward.x, toward.y, toward.z]
-            })
-        },
+        inputs: lights_and_offsets,
         twin: |world, i| {
             let light = world.light(i[0]);
             vec![Number { value: attenuation(light, v3(i, 1)), scale: magnitude_of_attenuation(light, v3(i, 1)) }]
@@ -1028,14 +1031,7 @@ const TABLE: &[Mirror] = &[
         functions: &["light_reach"],
         statements: "output(0u, light_reach(u32(input(0u)), input3(1u)));",
         inputs_each: 4,
-        inputs: |world, random| {
-            let zero: Vec<_> = (0..world.globals.lights.len()).map(|light| [light as f32, 0.0, 0.0, 0.0]).collect();
-            random.groups(&zero, |random| {
-                let [light, x, y, z] = world.light_and_point(random);
-                let toward = toward_light(world.light(light), Vec3::new(x, y, z));
-                [light, toward.x, toward.y, toward.z]
-            })
-        },
+        inputs: lights_and_offsets,
         twin: |world, i| {
             let light = world.light(i[0]);
             let toward = v3(i, 1);
