@@ -8,8 +8,8 @@ use shadow_cpu::{
     renderer::CameraBuffer,
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene};
-use shadow_math::LightShape;
+use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene, find_adapter};
+use shadow_math::{LightShape, ShadowSettings};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Request, Scene, StageTimes};
 
 use crate::{
@@ -18,6 +18,35 @@ use crate::{
     error::CliError,
     resolve::Job,
 };
+
+/// Where a plan is to be drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// By which backends.
+    pub(crate) backends: &'a [Backend],
+    /// The adapter's name, if one was chosen.
+    pub(crate) adapter: Option<&'a str>,
+}
+
+impl<'a> Place<'a> {
+    /// By nobody yet.
+    pub(crate) const NOWHERE: Self = Self { backends: &[], adapter: None };
+
+    /// By these backends of a machine.
+    pub(crate) fn new(backends: &'a [Backend], machine: &'a MachineArgs) -> Self {
+        Self { backends, adapter: machine.adapter.as_deref() }
+    }
+
+    /// Bits of the coarsest sub-pixel grid there: the adapter's, where it is known, and else the default.
+    pub(crate) fn subpixel_bits(&self) -> Result<u32, CliError> {
+        let mut bits = ShadowSettings::default().subpixel_bits;
+        if self.backends.contains(&Backend::Gpu) {
+            let adapter = pollster::block_on(find_adapter(self.adapter))?;
+            bits = bits.min(adapter.rules.subpixel_bits().unwrap_or(bits));
+        }
+        Ok(bits)
+    }
+}
 
 /// A frame, who made it and how long it took.
 pub(crate) struct RenderedFrame {

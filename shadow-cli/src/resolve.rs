@@ -11,6 +11,7 @@ use shadow_scene::{
 
 use crate::{
     args::{BiasArgs, FilterName, LightSettings, PictureArgs, SceneArgs, ShadowArgs},
+    backend::Place,
     bias::Meaningless,
     console::Console,
     error::CliError,
@@ -48,14 +49,16 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// Loads the scene and plans the picture. Notes about the scene are told.
+    /// Loads the scene and plans the picture for the renderers of a place. Notes about the scene are told.
     ///
     /// What does not need the scene is checked first.
-    pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, console: &Console) -> Result<Self, CliError> {
+    pub(crate) fn resolve(args: &PictureArgs, bias: &BiasArgs, place: Place<'_>, console: &Console) -> Result<Self, CliError> {
         let settings = settings(args, bias)?;
+        let subpixel_bits = args.shadows.subpixel_bits.map_or_else(|| place.subpixel_bits(), Ok)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
         let scene = with_casters(with_chosen_lights(scene, &args.lights)?, &args.shadows)?;
         let shadowing = bias.preset.map_or_else(|| Shadowing::alike(settings), |engine| Shadowing::preset(engine, &scene));
+        let shadowing = shadowing.on_grid(subpixel_bits);
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
         let of_lights = settings_of_lights(&scene, &shadowing, &args.shadows)?;
@@ -170,7 +173,7 @@ fn settings_of_lights(scene: &Scene, shadowing: &Shadowing, args: &ShadowArgs) -
     for LightSettings { light, path } in &args.light_settings {
         let own = settings_file::read(path)?.settings;
         for index in light.find_all("light", &names)? {
-            of_lights[index] = own;
+            of_lights[index] = ShadowSettings { subpixel_bits: of_lights[index].subpixel_bits, ..own };
         }
     }
     Ok(of_lights)
@@ -292,7 +295,7 @@ mod tests {
         let Some(Command::Plan(args)) = Args::try_parse_from(line.split_whitespace()).unwrap().command else {
             panic!("not plan")
         };
-        Job::resolve(&args.picture, &args.bias, &Console::new(true))
+        Job::resolve(&args.picture, &args.bias, Place::NOWHERE, &Console::new(true))
     }
 
     fn message(options: &str) -> String {

@@ -227,7 +227,21 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
         }
     }
     let filter_radius = file.filter_radius.map(Spanned::into_inner);
-    Ok((name, ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size }))
+    Ok((
+        name,
+        ShadowSettings {
+            fit,
+            split,
+            store,
+            texels,
+            bias,
+            filter,
+            filter_radius,
+            terminator,
+            map_size,
+            ..ShadowSettings::default()
+        },
+    ))
 }
 
 /// Settings as a settings file would have them, for reports.
@@ -267,7 +281,9 @@ pub(crate) struct SettingsReport {
 impl SettingsReport {
     /// The settings of a technique that is called `name`.
     pub(crate) fn of(name: &str, settings: &ShadowSettings) -> Self {
-        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size } = *settings;
+        // The grid is a matter of the adapter, not of the technique.
+        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size, subpixel_bits: _ } =
+            *settings;
         let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
         let (names, BiasNumbers { constant, scale, normal, limit, gradient, offset, push }) = BiasNames::of(bias);
         Self {

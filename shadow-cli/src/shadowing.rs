@@ -34,9 +34,19 @@ impl Shadowing {
         Self { kinds: self.kinds.map(|settings| ShadowSettings { filter, filter_radius: None, ..settings }), ..self }
     }
 
+    /// The same for rasterisers whose sub-pixel grids have at least so many bits.
+    pub(crate) fn on_grid(self, subpixel_bits: u32) -> Self {
+        Self { kinds: self.kinds.map(|settings| ShadowSettings { subpixel_bits, ..settings }), ..self }
+    }
+
     /// Width and height of every map in texels.
     pub(crate) fn map_size(&self) -> u32 {
         self.kinds[0].map_size
+    }
+
+    /// Bits of the sub-pixel grid that it is for.
+    pub(crate) fn subpixel_bits(&self) -> u32 {
+        self.kinds[0].subpixel_bits
     }
 
     /// How a light of this kind is shadowed.

@@ -13,6 +13,18 @@ pub enum DriverRules {
     Unknown,
 }
 
+impl DriverRules {
+    /// The bits of its sub-pixel grid, where they are known.
+    #[must_use]
+    pub fn subpixel_bits(self) -> Option<u32> {
+        match self {
+            Self::Lavapipe22 => Some(8),
+            Self::SwiftShader => Some(4),
+            Self::Unknown => None,
+        }
+    }
+}
+
 /// An adapter, for people and programs to choose by.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterSummary {
@@ -81,6 +93,15 @@ pub(crate) fn new_instance() -> wgpu::Instance {
 pub async fn list_adapters() -> Vec<AdapterSummary> {
     let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
     new_instance().enumerate_adapters(backends).await.iter().map(AdapterSummary::of).collect()
+}
+
+/// The adapter that [`GpuRenderer::new`](crate::GpuRenderer::new) takes for this name.
+///
+/// # Errors
+///
+/// [`GpuError::NoAdapter`].
+pub async fn find_adapter(wanted: Option<&str>) -> Result<AdapterSummary, GpuError> {
+    Ok(AdapterSummary::of(&choose_adapter(&new_instance(), wanted).await?))
 }
 
 /// The adapter whose name contains `wanted`, whatever the case of its letters. Without a name, the one that the variable

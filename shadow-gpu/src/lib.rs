@@ -21,7 +21,7 @@ mod renderer;
 mod shelf;
 pub mod probe;
 
-pub use adapter::{AdapterSummary, DriverRules, list_adapters};
+pub use adapter::{AdapterSummary, DriverRules, find_adapter, list_adapters};
 pub use error::GpuError;
 pub use renderer::{GpuRenderer, GpuScene, Rendered};
 

@@ -22,8 +22,7 @@ use crate::{
     depth::DEPTH_LINEAR,
     filter,
     plan::{
-        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_PLANE, BIAS_SLOPE, LightPlan, SNAP_TEXELS, ViewPlan,
-        toward_light,
+        BIAS_AUTOMATIC, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_RECEIVER_PLANE, BIAS_SLOPE, LightPlan, ViewPlan, toward_light,
     },
     vector::normalized,
 };
@@ -66,7 +65,7 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
     } else {
         reach *= light.slope_scale;
     }
-    let texels = reach + (SNAP_TEXELS + view.rounding_texels[0] + view.rounding_texels[1] / w);
+    let texels = reach + (view.snap_texels + view.rounding_texels[0] + view.rounding_texels[1] / w);
     let mut rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;
     if view.depth_kind == DEPTH_LINEAR {
         rounding += metres_to_depth(view, w, view.rounding_metres);

@@ -404,7 +404,13 @@ pub struct ShadowSettings {
     pub terminator: Terminator,
     /// Width and height of each map in texels, from [`MIN_MAP_SIZE`] to [`MAX_MAP_SIZE`].
     pub map_size: u32,
+    /// Bits of the sub-pixel grid that the renderers snap vertices to, of those that draw the plan the fewest; one of [`SUBPIXEL_BITS`]. The biases that follow the receiver's plane leave half a step of it to
+    /// rasterisers whose depth planes go through snapped vertices.
+    pub subpixel_bits: u32,
 }
+
+/// Bits of sub-pixel grids: 4 is the least that Vulkan allows; Direct3D requires 8, which hardware and lavapipe have.
+pub const SUBPIXEL_BITS: core::ops::RangeInclusive<u32> = 4..=8;
 
 /// The smallest map: below it the guard band around the fit would leave no map.
 pub const MIN_MAP_SIZE: u32 = 16;
@@ -423,6 +429,7 @@ impl Default for ShadowSettings {
             filter_radius: None,
             terminator: Terminator::default(),
             map_size: 2048,
+            subpixel_bits: *SUBPIXEL_BITS.end(),
         }
     }
 }

@@ -8,6 +8,7 @@ use std::{
 
 use shadow_cpu::{CpuRenderer, RasterRules};
 use shadow_gpu::{DriverRules, GpuRenderer};
+use shadow_math::ShadowSettings;
 use shadow_scene::compare::Contract;
 
 use crate::report::say;
@@ -26,6 +27,11 @@ pub fn rules() -> RasterRules {
         DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
         DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
     }
+}
+
+/// The default settings, for the sub-pixel grid of the adapter under test.
+pub fn settings() -> ShadowSettings {
+    ShadowSettings { subpixel_bits: rules().subpixel_bits, ..ShadowSettings::default() }
 }
 
 /// A CPU renderer with one thread a core and the [`rules`] of the adapter under test.

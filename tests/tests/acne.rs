@@ -51,7 +51,7 @@ impl Tally {
         let store = Store::ALL[self.lit_scenes % Store::ALL.len()];
         for (filter, store) in FILTERS.map(|filter| (filter, Store::default())).into_iter().chain([(turn, store)]) {
             for map_size in MAP_SIZES {
-                let settings = ShadowSettings { bias: Bias::Automatic, filter, store, map_size, ..ShadowSettings::default() };
+                let settings = ShadowSettings { bias: Bias::Automatic, filter, store, map_size, ..renderers::settings() };
                 let plan = match FramePlan::new(scene, &camera, &settings, width, height, None) {
                     Ok(plan) => plan,
                     Err(error) => {

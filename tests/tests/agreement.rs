@@ -79,13 +79,13 @@ fn built_in_scenes_agree_under_every_setting() {
             ("all", all),
         ] {
             for filter in [Filter::Hard, Filter::Bilinear, Filter::Witness5, Filter::Vogel] {
-                let settings = ShadowSettings { filter, bias: Bias::Parts(parts), map_size: 300, ..ShadowSettings::default() };
+                let settings = ShadowSettings { filter, bias: Bias::Parts(parts), map_size: 300, ..renderers::settings() };
                 check(&format!("{name} {filter:?} {bias_name}"), &scene, &camera, &settings, (203, 117));
             }
         }
         for filter in Filter::ALL {
             for (bias_name, bias) in [("none", Bias::NONE), ("automatic", Bias::default())] {
-                let settings = ShadowSettings { filter, bias, map_size: 300, ..ShadowSettings::default() };
+                let settings = ShadowSettings { filter, bias, map_size: 300, ..renderers::settings() };
                 check(&format!("{name} {filter:?} {bias_name}"), &scene, &camera, &settings, (203, 117));
             }
         }
@@ -98,7 +98,7 @@ fn every_kind_of_light_agrees_also_around_a_cube() {
     let camera = scene.cameras()[0].camera;
     for (name, light) in one_of_each(&scene) {
         let scene = lit_by(&scene, name, light);
-        let settings = ShadowSettings { map_size: 256, ..ShadowSettings::default() };
+        let settings = ShadowSettings { map_size: 256, ..renderers::settings() };
         check(&format!("demo {name}"), &scene, &camera, &settings, (320, 180));
         if light.position().is_some() {
             check(&format!("demo {name} cube"), &scene, &camera, &ShadowSettings { split: Split::Cube, ..settings }, (320, 180));
@@ -127,7 +127,7 @@ const REAL_SCENES: [&str; 12] = [
 fn real_scenes_agree() {
     let Some(folder) = renderers::scenes("real_scenes_agree") else { return };
     let (size, map_size) = if renderers::is_full() { ((1280, 720), 1024) } else { ((320, 180), 512) };
-    let settings = ShadowSettings { map_size, ..ShadowSettings::default() };
+    let settings = ShadowSettings { map_size, ..renderers::settings() };
     for file in REAL_SCENES {
         let scene = import(&folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
         let camera = scene.cameras()[0].camera;
@@ -141,7 +141,7 @@ fn real_scenes_agree() {
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     let scene = builtin::demo();
-    let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
+    let settings = ShadowSettings { map_size: 512, ..renderers::settings() };
     let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, 400, 225, None).expect("the demo can be planned");
     let render = |threads: usize| {
         let renderer = CpuRenderer::new(threads, RasterRules::default()).expect("the threads start");
@@ -293,7 +293,7 @@ fn random_scenes_agree() {
             let scene = lit_by(&scene, "light", Light { kind: light_kind, color: Vec3::ONE, intensity: 300.0 });
             // Guard bands of wide filters leave nothing of the smallest maps.
             let map_size = if matches!(filter, Filter::Hard | Filter::Bilinear) { map_size } else { map_size + 64 };
-            let settings = ShadowSettings { filter, map_size, ..ShadowSettings::default() };
+            let settings = ShadowSettings { filter, map_size, ..renderers::settings() };
             check("random triangles", &scene, &camera, &settings, (width, height));
             Ok(())
         });

@@ -24,7 +24,7 @@ fn demo() -> Scene {
 }
 
 fn plan_of(scene: &Scene, composition: Composition, light_passes: LightPasses) -> FramePlan {
-    let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
+    let settings = ShadowSettings { map_size: 512, ..renderers::settings() };
     let plan = FramePlan::new(scene, &scene.cameras()[0].camera, &settings, SIZE.0, SIZE.1, None).expect("it can be planned");
     FramePlan { light_passes, ..plan.with_composition(composition).expect("the color is one") }
 }

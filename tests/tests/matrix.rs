@@ -101,7 +101,7 @@ fn every_combination_agrees_or_is_refused_by_name() {
                     texels: [Texels::OpenGl, Texels::Direct3d][turn % 2],
                     terminator: [Terminator::Hard, Terminator::Soft][turn / 2 % 2],
                     map_size: MAP,
-                    ..ShadowSettings::default()
+                    ..renderers::settings()
                 };
                 let camera = &case.scene.cameras()[0].camera;
                 let plan = match FramePlan::new(&case.scene, camera, &settings, PICTURE.0, PICTURE.1, None) {

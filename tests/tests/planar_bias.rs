@@ -8,7 +8,7 @@ use shadow_math::{
     bias::gradient_by_plane,
     bounds::Aabb,
     filter::support,
-    plan::{PixelRays, SNAP_TEXELS, ViewPlan},
+    plan::{PixelRays, ViewPlan},
     rounding::map_bound,
     settings::{BiasParts, Store},
     vector::row_times_point,
@@ -123,7 +123,7 @@ fn lit_plane(case: &Case, bias: Bias) -> LitPlane {
     let light = Light { kind, color: Vec3::ONE, intensity: 100.0 };
     let scene = scene.with_lights(vec![SceneLight::new("light", light)]);
     let settings =
-        ShadowSettings { bias, filter: case.filter, map_size: case.map_size, store: case.store, ..ShadowSettings::default() };
+        ShadowSettings { bias, filter: case.filter, map_size: case.map_size, store: case.store, ..renderers::settings() };
     let projection = Projection::Perspective { vertical_fov: 0.8, near: 0.1, far: None };
     let camera = Camera::look_at(DVec3::new(100.0, 3.0, 2.0), DVec3::ZERO, projection).expect("the camera looks somewhere");
     let plan = FramePlan::new(&scene, &camera, &settings, 8, 8, None).expect("the plane can be planned");
@@ -283,7 +283,7 @@ fn is_within_map_bound(case: &Case) -> bool {
         let gradient = gradient_by_plane(texel_from_world, plane.normal.extend(-plane.normal.dot(plane.center)));
         let middle = texel_from_world.project_point3(plane.center);
         let [texels, depth] = map_bound(f64::from(plane.plan.map_size));
-        let snap = if renderers::rules().depth_plane == DepthPlaneRule::Snapped { f64::from(SNAP_TEXELS) } else { 0.0 };
+        let snap = if renderers::rules().depth_plane == DepthPlaneRule::Snapped { f64::from(view.snap_texels) } else { 0.0 };
         let bound = (texels + snap) * (gradient.x.abs() + gradient.y.abs()) + depth;
         (0..view.rect[3]).all(|y| {
             (0..view.rect[2]).all(|x| {

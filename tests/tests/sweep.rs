@@ -113,7 +113,7 @@ impl Sweep {
         };
         for (filter, bias, sizes) in chosen {
             let case = format!("{case} {} {bias:?} {}", filter.name(), store.name());
-            let settings = ShadowSettings { filter, bias, store, map_size: sizes.map, ..ShadowSettings::default() };
+            let settings = ShadowSettings { filter, bias, store, map_size: sizes.map, ..renderers::settings() };
             match self.compare(&case, scene, &settings, sizes.picture, prepared, uploaded) {
                 Ok(layers) => {
                     self.tally.comparisons += 1;

@@ -20,7 +20,7 @@ fn sphere() -> (Scene, Camera) {
 
 fn frames(terminator: Terminator) -> [Frame; 2] {
     let (scene, camera) = sphere();
-    let settings = ShadowSettings { terminator, map_size: 1024, ..ShadowSettings::default() };
+    let settings = ShadowSettings { terminator, map_size: 1024, ..renderers::settings() };
     let plan = FramePlan::new(&scene, &camera, &settings, 400, 400, None).expect("the sphere can be planned");
     let on_cpu = cpu().render(&cpu().prepare(&scene), &plan, Request::ALL).expect("it can be rendered").frame;
     let uploaded = pollster::block_on(renderers::gpu().upload(&scene)).expect("it fits");

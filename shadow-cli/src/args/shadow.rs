@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, builder::PossibleValuesParser};
-use shadow_math::{Filter, Store, Terminator, Texels};
+use shadow_math::{Filter, Store, Terminator, Texels, settings::SUBPIXEL_BITS};
 
 use super::filter::FilterName;
 use crate::{
@@ -63,6 +63,12 @@ pub(crate) struct ShadowArgs {
         help_heading = "Shadows"
     )]
     pub(crate) map_size: u32,
+
+    /// Bits of the sub-pixel grid that vertices are snapped to where maps are drawn, from 4 to 8 [default: 4 on SwiftShader, else 8]
+    ///
+    /// The biases that follow the receiver's plane leave half a step of it to the rasteriser. Hardware has 8; what an adapter has is measured by `shadow probe`.
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(i64::from(*SUBPIXEL_BITS.start())..=i64::from(*SUBPIXEL_BITS.end())), help_heading = "Shadows")]
+    pub(crate) subpixel_bits: Option<u32>,
 
     /// How depth tests are averaged
     #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName(Filter::Bilinear), help_heading = "Shadows")]

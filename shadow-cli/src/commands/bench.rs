@@ -11,7 +11,7 @@ use self::rival::RivalReport;
 use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, BenchArgs},
-    backend::{OnceTimes, OpenBackend, RayRates, check_machine, milliseconds_since},
+    backend::{OnceTimes, OpenBackend, Place, RayRates, check_machine, milliseconds_since},
     console::{Console, count, print, print_json, table},
     error::CliError,
     memory::{self, Work},
@@ -159,7 +159,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Verdict, CliError> {
     if args.rival.is_some() && !backends.contains(&Backend::Trace) {
         return Err(CliError::RivalWithoutTracer);
     }
-    let job = Job::resolve(&args.picture, &args.bias, &console)?;
+    let job = Job::resolve(&args.picture, &args.bias, Place::new(backends, &args.machine), &console)?;
     memory::check(&job, Work::Bench(backends))?;
 
     // One after the other, so that each one's memory can be told from the other's.

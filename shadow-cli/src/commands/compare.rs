@@ -13,7 +13,7 @@ use shadow_scene::{
 use super::Verdict;
 use crate::{
     args::{Backend, CompareArgs},
-    backend::{RenderedFrame, rules_of},
+    backend::{Place, RenderedFrame, rules_of},
     console::{Console, print, print_json, table, to_json},
     error::CliError,
     memory::{self, Work},
@@ -95,8 +95,8 @@ pub(super) fn contract_for(rules: DriverRules) -> Contract {
 /// Renders with both backends, compares and reports.
 pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
-    let job = Job::resolve(&args.picture, &args.bias, &console)?;
     let backends = [args.backends.first, args.backends.second];
+    let job = Job::resolve(&args.picture, &args.bias, Place::new(&backends, &args.machine), &console)?;
     memory::check(&job, Work::Compare(backends))?;
     if let Some(folder) = &args.output {
         make_folder(folder)?;

@@ -20,7 +20,7 @@ use self::motion::{Motions, StabilityReport};
 use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, MeasureArgs},
-    backend::{OpenBackend, check_machine, has_sized_light},
+    backend::{OpenBackend, Place, check_machine, has_sized_light},
     console::{Console, print, print_json, table},
     error::CliError,
     memory::{self, Work},
@@ -157,7 +157,10 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
         Ok::<_, CliError>(Technique { name, shadowing: Shadowing::alike(settings) })
     };
     let from_files = args.settings.iter().map(technique).collect::<Result<Vec<_>, _>>()?;
-    let mut job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, &console)? };
+    let backends = [args.rendering.backend];
+    let place = Place::new(&backends, &args.machine);
+    let mut job =
+        Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, place, &console)? };
     let techniques = techniques(&job, args, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {
@@ -275,7 +278,9 @@ fn techniques(job: &Job, args: &MeasureArgs, from_files: Vec<Technique>) -> Resu
         }
         names.push(name);
     }
-    Ok(from_files)
+    let on_grid =
+        |technique: Technique| Technique { shadowing: technique.shadowing.on_grid(job.shadowing.subpixel_bits()), ..technique };
+    Ok(from_files.into_iter().map(on_grid).collect())
 }
 
 fn plan(job: &Job, technique: &Technique, args: &MeasureArgs) -> Result<FramePlan, CliError> {

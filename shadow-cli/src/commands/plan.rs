@@ -11,6 +11,7 @@ use shadow_scene::SceneLight;
 use super::Verdict;
 use crate::{
     args::PlanArgs,
+    backend::Place,
     bias::{BiasNames, summary},
     console::{Console, print, print_json, table},
     error::CliError,
@@ -178,7 +179,7 @@ impl ViewReport {
 /// Plans the picture and reports.
 pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
-    let job = Job::resolve(&args.picture, &args.bias, &console)?;
+    let job = Job::resolve(&args.picture, &args.bias, Place::NOWHERE, &console)?;
     console.finish();
     let report = Report::of(&job);
     if args.json { print_json(&report) } else { print(&text(&report)) }?;

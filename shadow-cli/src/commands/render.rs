@@ -13,7 +13,7 @@ use shadow_scene::{LayerName, StageTimes};
 use super::Verdict;
 use crate::{
     args::{Backend, RenderArgs},
-    backend::{RenderedFrame, check_machine, has_sized_light},
+    backend::{Place, RenderedFrame, check_machine, has_sized_light},
     console::{Console, count, print, print_json},
     debug_view::{DebugView, Explained, Wanted, explain},
     error::CliError,
@@ -87,7 +87,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     if args.rendering.light_samples.is_some() && args.rendering.backend != Backend::Trace {
         return Err(CliError::LightSamplesOfMaps);
     }
-    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, &console)? };
+    let backends = [args.rendering.backend];
+    let place = Place::new(&backends, &args.machine);
+    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, place, &console)? };
     let layer = job.layer(&args.show)?;
     if args.rendering.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
         return Err(CliError::MapOfTrace);

@@ -18,7 +18,7 @@ use self::tries::{STEPS_OF_LIGHT, TRIED_SHARES, Tries};
 use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, BiasArgs, TuneArgs},
-    backend::{OpenBackend, check_machine},
+    backend::{OpenBackend, Place, check_machine},
     console::{Console, count, print, print_json, table, to_json},
     error::CliError,
     memory::{self, Work},
@@ -250,7 +250,7 @@ pub(super) fn run(args: &TuneArgs) -> Result<Verdict, CliError> {
     check_folder_of(&args.output)?;
     // The tracer has threads of its own, whatever renders.
     check_machine(&args.machine, &[args.backend, Backend::Trace], &console)?;
-    let job = Job::resolve(&args.picture, &BiasArgs::default(), &console)?;
+    let job = Job::resolve(&args.picture, &BiasArgs::default(), Place::new(&[args.backend], &args.machine), &console)?;
     memory::check(&job, Work::Measure(args.backend, 1))?;
 
     console.stage("building the tracer's tree");

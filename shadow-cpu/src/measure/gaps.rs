@@ -6,7 +6,7 @@ use shadow_math::{
     Receiver,
     bias::{GRADIENT_MARGIN, depth_gradient},
     filter::support,
-    plan::{LightPlan, SNAP_TEXELS, ViewPlan},
+    plan::{LightPlan, ViewPlan},
     vector::row_times_point,
     visibility::{Lookup, NO_VIEW, footprint, lookup},
 };
@@ -44,7 +44,7 @@ impl NeededParts {
         let sides = footprint(light, view, receiver, w);
         Self {
             filter: slope * support(light, gradient, sides) * light.slope_scale,
-            snap: slope * SNAP_TEXELS,
+            snap: slope * view.snap_texels,
             rounding: slope * (view.rounding_texels[0] + view.rounding_texels[1] / w)
                 + (view.rounding_depth[0] + view.rounding_depth[1] / w),
         }

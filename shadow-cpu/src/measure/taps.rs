@@ -8,7 +8,7 @@ use shadow_math::{
     depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, DepthScale, LAYER_FIRST, comparable_depth, depth_limits},
     filter::taps::for_each_weighted_tap,
     fit::cube_face_of,
-    plan::{LightPlan, SNAP_TEXELS, SPLIT_CUBE, ViewPlan, toward_light},
+    plan::{LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
     rounding::MAX_TRIANGLE_LENGTH,
     vector::row_times_point,
     visibility::{Lookup, MapAccess},
@@ -53,7 +53,7 @@ impl<'a> Taps<'a> {
         texels.dedup();
         let w = row_times_point(view.clip_w, receiver.position.as_vec3());
         let rounding = view.rounding_texels[0] + view.rounding_texels[1] / w.max(view.depth_range[0].max(f32::MIN_POSITIVE));
-        let outline_error = f64::from(SNAP_TEXELS + rounding);
+        let outline_error = f64::from(view.snap_texels + rounding);
         Self { view, receiver, texels, lift: receiver.lift + VERTEX_ROUNDING * largest, outline_error }
     }
 

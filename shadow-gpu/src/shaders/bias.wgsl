@@ -26,7 +26,7 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
     } else {
         reach *= lights[light].slope_scale;
     }
-    let texels = reach + (SNAP_TEXELS + rounding_texels.x + rounding_texels.y / w);
+    let texels = reach + (views[view].snap_texels + rounding_texels.x + rounding_texels.y / w);
     var rounding = rounding_depth.x + rounding_depth.y / w;
     if depth_kind(view) == DEPTH_LINEAR {
         rounding = rounding + metres_to_depth(view, w, views[view].rounding_metres);

@@ -33,8 +33,6 @@ const FILTER_FOOTPRINT: u32 = 5u;
 const TERMINATOR_HARD: u32 = 0u;
 const TERMINATOR_SOFT: u32 = 1u;
 
-const SNAP_TEXELS: f32 = 0.001953125;
-
 struct PixelRays {
     origin: vec4f,
     origin_dx: vec4f,
@@ -128,5 +126,9 @@ struct ViewPlan {
     caster_limit: f32,
     caster_asymptote: f32,
     caster_push: f32,
+    snap_texels: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     rect: vec4u,
 }

@@ -20,7 +20,7 @@ use crate::{
     rounding::RoundingBound,
     settings::{
         Bias, BiasParts, Fit, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient,
-        ShadowSettings, Split, Store, Terminator,
+        SUBPIXEL_BITS, ShadowSettings, Split, Store, Terminator,
     },
     spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
 };
@@ -109,6 +109,9 @@ pub fn plan_light(
     let ShadowSettings { fit: Fit::Uniform, map_size: size, .. } = *settings;
     if !(MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(&size) {
         return Err(PlanError::MapSize(size));
+    }
+    if !SUBPIXEL_BITS.contains(&settings.subpixel_bits) {
+        return Err(PlanError::SubpixelBits(settings.subpixel_bits));
     }
     if bounds.is_empty() {
         return Err(PlanError::EmptyBounds);
@@ -381,9 +384,15 @@ fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32
         rounding_metres: of_linear(rounding.metres),
         linear_scale: of_linear(1.0 / range),
         linear_offset: of_linear(-near / range),
+        snap_texels: half_step(settings.subpixel_bits),
         rect: [0, 0, size, size],
         ..caster_of(settings.bias, view)
     }
+}
+
+/// Half a step of a grid with so many bits, in texels.
+fn half_step(subpixel_bits: u32) -> f32 {
+    0.5 / (1_u32 << subpixel_bits) as f32
 }
 
 /// A plan with nothing but how casters are drawn deeper.
@@ -485,11 +494,23 @@ mod tests {
     }
 
     #[test]
+    fn half_a_step_of_the_grid_is_left_to_it() {
+        for (subpixel_bits, half_step) in [(4, 1.0 / 32.0), (8, 1.0 / 512.0)] {
+            let (_, views) = plan(&spot(0.5), &ShadowSettings { subpixel_bits, ..ShadowSettings::default() }).unwrap();
+            assert_eq!(views[0].snap_texels, half_step);
+        }
+    }
+
+    #[test]
     fn what_has_no_meaning_is_refused() {
         let sun = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
         let settings = ShadowSettings::default();
         let refused = |light: &Light, settings: ShadowSettings| plan(light, &settings).unwrap_err();
         assert_eq!(refused(&sun, ShadowSettings { split: Split::Cube, ..settings }), PlanError::CubeAroundDirection);
+        for subpixel_bits in [3, 9] {
+            let error = PlanError::SubpixelBits(subpixel_bits);
+            assert_eq!(refused(&sun, ShadowSettings { subpixel_bits, ..settings }), error);
+        }
         assert_eq!(refused(&sun, ShadowSettings { map_size: 15, ..settings }), PlanError::MapSize(15));
         assert_eq!(refused(&sun, ShadowSettings { map_size: 16_385, ..settings }), PlanError::MapSize(16_385));
         let bias = Bias::constant(-1.0);

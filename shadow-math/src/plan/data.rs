@@ -72,10 +72,6 @@ pub const TERMINATOR_HARD: u32 = 0;
 /// [`LightPlan::terminator`]: light fades out towards there.
 pub const TERMINATOR_SOFT: u32 = 1;
 
-/// Half a step of the sub-pixel grid that vertices are snapped to, in texels, where depth comes from the snapped vertices:
-/// 8 bits, the number that Direct3D requires and lavapipe has.
-pub const SNAP_TEXELS: f32 = 1.0 / 512.0;
-
 /// The rays through the pixels of a view: `(origin, direction)` at pixel coordinates `(x, y)` are `a + a_dx x + a_dy y` each.
 ///
 /// Pixel centres lie at + 0.5. Directions are not normalised. The fourth components are padding.
@@ -266,6 +262,14 @@ pub struct ViewPlan {
     pub caster_asymptote: f32,
     /// What its difference to a depth, squared, is multiplied by to draw casters deeper.
     pub caster_push: f32,
+    /// How far a rasteriser moves a vertex on either axis, in texels: half a step of its sub-pixel grid.
+    pub snap_texels: f32,
+    /// Padding to a multiple of 16 bytes.
+    pub padding_0: u32,
+    /// Padding.
+    pub padding_1: u32,
+    /// Padding.
+    pub padding_2: u32,
     /// The rectangle within the layer: x, y, width, height in texels.
     pub rect: [u32; 4],
 }

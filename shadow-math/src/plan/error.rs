@@ -3,7 +3,7 @@
 use crate::{
     camera::CameraError,
     light::LightError,
-    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Store},
+    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, SUBPIXEL_BITS, Store},
 };
 
 /// Why a plan cannot be made.
@@ -20,6 +20,8 @@ pub enum PlanError {
     LightOverflow,
     /// The map's size in texels is out of range.
     MapSize(u32),
+    /// The number of bits of the sub-pixel grid is out of range.
+    SubpixelBits(u32),
     /// The bias, in metres, is negative or not finite.
     BiasMetres(f32),
     /// The factor on the slope bias is negative or not finite.
@@ -105,6 +107,14 @@ impl core::fmt::Display for PlanError {
                 write!(
                     f,
                     "a shadow map of {size} texels is out of range; choose a map size from {MIN_MAP_SIZE} to {MAX_MAP_SIZE}"
+                )
+            }
+            Self::SubpixelBits(bits) => {
+                write!(
+                    f,
+                    "a sub-pixel grid of {bits} bits is out of range; choose from {} to {}",
+                    SUBPIXEL_BITS.start(),
+                    SUBPIXEL_BITS.end()
                 )
             }
             Self::BiasMetres(metres) => write!(f, "a bias of {metres} m makes no sense; it must be finite and at least 0"),

@@ -11,7 +11,7 @@ use shadow_scene::{FramePlan, StageTimes};
 use super::WARM_UP_ROUNDS;
 use crate::{
     args::{Backend, BenchArgs},
-    backend::OpenBackend,
+    backend::{OpenBackend, Place},
     commands::{PictureReport, Verdict},
     console::{Console, count, print, print_json, table},
     error::CliError,
@@ -67,7 +67,7 @@ pub(super) fn run(args: &BenchArgs, filters: &[Filter], console: &Console) -> Re
     if !args.picture.shadows.light_settings.is_empty() {
         return Err(CliError::LightSettings);
     }
-    let job = Job::resolve(&args.picture, &args.bias, console)?;
+    let job = Job::resolve(&args.picture, &args.bias, Place::new(backends, &args.machine), console)?;
     memory::check(&job, Work::Bench(backends))?;
     // What is more is measured against the hard test, whether it was asked for or not.
     let timed: Vec<Filter> =

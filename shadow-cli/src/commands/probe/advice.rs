@@ -5,7 +5,7 @@ use shadow_gpu::probe::{
     AdapterRules, ComparisonRules, DepthFormat, DepthPlane, DepthStorage, FormatRules, GridRounding, Measured, PlaneRules,
     RangeOverflow, RasterFindings, SlopeRule, Ties, UnitRule,
 };
-use shadow_math::plan::SNAP_TEXELS;
+use shadow_math::settings::SUBPIXEL_BITS;
 use shadow_scene::compare::tolerance;
 
 use super::rows::share;
@@ -23,11 +23,17 @@ fn fraction(share: f64) -> String {
     format!("1/{}", share.recip().round())
 }
 
+/// Half a step of a grid of so many bits, in pixels.
+fn half_step(bits: u32) -> f64 {
+    0.5 / f64::from(bits).exp2()
+}
+
 /// What to know before relying on this adapter.
 pub(super) fn warnings(rules: &AdapterRules) -> Vec<String> {
     let mut warnings = Vec::new();
     of_raster(&rules.raster, &mut warnings);
-    of_plane(&rules.plane, &rules.raster, &mut warnings);
+    let planned_bits = rules.adapter.rules.subpixel_bits().unwrap_or(*SUBPIXEL_BITS.end());
+    of_plane(&rules.plane, &rules.raster, planned_bits, &mut warnings);
     if holds(&rules.limits.near_clips, |clips| !clips) || holds(&rules.limits.far_clips, |clips| !clips) {
         warnings.push(
             "casters beyond the near or far plane are drawn although nothing asks for it: maps hold what the plan leaves out"
@@ -73,7 +79,8 @@ fn of_raster(found: &RasterFindings, warnings: &mut Vec<String>) {
     }
 }
 
-fn of_plane(found: &PlaneRules, raster: &RasterFindings, warnings: &mut Vec<String>) {
+/// `planned_bits` is the grid that plans leave half a step to.
+fn of_plane(found: &PlaneRules, raster: &RasterFindings, planned_bits: u32, warnings: &mut Vec<String>) {
     let usual = RasterRules::default().depth_plane;
     if holds(&found.plane, |plane| (*plane == DepthPlane::Snapped) != (usual == DepthPlaneRule::Snapped)) {
         warnings.push(
@@ -88,13 +95,22 @@ fn of_plane(found: &PlaneRules, raster: &RasterFindings, warnings: &mut Vec<Stri
         _ => 1.0,
     };
     if let (Ok(DepthPlane::Snapped), Ok(bits)) = (&found.plane, &raster.subpixel_bits)
-        && steps / f64::from(*bits).exp2() > f64::from(SNAP_TEXELS)
+        && let moved = steps / f64::from(*bits).exp2()
+        && moved > half_step(planned_bits)
     {
+        let enough = SUBPIXEL_BITS.rev().find(|&bits| half_step(bits) >= moved);
+        let what_to_do = enough.map_or_else(
+            || {
+                format!(
+                    "and no more than {} can be left to that: `--bias automatic` may leave acne",
+                    fraction(half_step(*SUBPIXEL_BITS.start()))
+                )
+            },
+            |bits| format!("which `--bias automatic` leaves room for with `--subpixel-bits {bits}`"),
+        );
         warnings.push(format!(
-            "depth planes go through corners that are moved by up to {} pixel first, and the automatic bias leaves {} texel to that: `--bias \
-             automatic` is too small here, and may leave acne",
-            fraction(steps / f64::from(*bits).exp2()),
-            fraction(f64::from(SNAP_TEXELS))
+            "depth planes go through corners that are moved by up to {} pixel first, {what_to_do}",
+            fraction(moved)
         ));
     }
     let errors = [&found.parallel, &found.perspective].into_iter().filter_map(|error| error.as_ref().ok());
@@ -208,9 +224,13 @@ mod tests {
     }
 
     fn told(bits: u32, depth_plane: DepthPlane) -> String {
+        told_of_plan(bits, depth_plane, 8)
+    }
+
+    fn told_of_plan(bits: u32, depth_plane: DepthPlane, planned_bits: u32) -> String {
         let mut warnings = Vec::new();
         of_raster(&raster(bits), &mut warnings);
-        of_plane(&plane(depth_plane), &raster(bits), &mut warnings);
+        of_plane(&plane(depth_plane), &raster(bits), planned_bits, &mut warnings);
         warnings.join("\n")
     }
 
@@ -219,14 +239,16 @@ mod tests {
         assert_eq!(told(8, DepthPlane::Unsnapped), "");
     }
 
-    /// A coarse grid by itself moves outlines; under the depth plane it also makes the automatic bias too small.
+    /// A coarse grid by itself moves outlines; under the depth plane the automatic bias must also know of it.
     #[test]
-    fn a_coarse_grid_under_the_depth_plane_is_too_much_for_the_bias() {
+    fn a_coarse_grid_under_the_depth_plane_must_be_planned_for() {
         let outlines = told(4, DepthPlane::Unsnapped);
-        assert!(outlines.contains("1/16 pixel") && !outlines.contains("too small"), "{outlines}");
+        assert!(outlines.contains("1/16 pixel") && !outlines.contains("automatic"), "{outlines}");
         let both = told(4, DepthPlane::Snapped);
-        assert!(both.contains("up to 1/32 pixel") && both.contains("1/512 texel"), "{both}");
-        assert!(!told(8, DepthPlane::Snapped).contains("too small"), "half a step of 8 bits is what the bias leaves room for");
+        assert!(both.contains("up to 1/32 pixel") && both.contains("`--subpixel-bits 4`"), "{both}");
+        assert!(!told(8, DepthPlane::Snapped).contains("automatic"), "half a step of 8 bits is what the bias leaves room for");
+        assert!(!told_of_plan(4, DepthPlane::Snapped, 4).contains("automatic"), "a grid that is known is planned for");
+        assert!(told(3, DepthPlane::Snapped).contains("no more than 1/32"), "Vulkan allows no such grid");
     }
 
     /// What was not measured is no reason to warn.
@@ -241,7 +263,7 @@ mod tests {
             edges: Err(unknown()),
         };
         of_raster(&raster, &mut warnings);
-        of_plane(&plane(DepthPlane::Unsnapped), &raster, &mut warnings);
+        of_plane(&plane(DepthPlane::Unsnapped), &raster, 8, &mut warnings);
         assert!(warnings.is_empty(), "{warnings:?}");
     }
 }

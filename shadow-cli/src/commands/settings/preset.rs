@@ -32,6 +32,7 @@ mod tests {
     use super::*;
     use crate::{
         args::{Args, Command},
+        backend::Place,
         console::Console,
         resolve::Job,
         settings_file::parse,
@@ -49,7 +50,8 @@ mod tests {
             let command = Args::try_parse_from(line.split_whitespace()).expect(&line).command;
             let args = if let Some(Command::Plan(args)) = command { Some(args) } else { None };
             let args = args.expect("the line asks for a plan");
-            let job = Job::resolve(&args.picture, &args.bias, &Console::new(true)).expect("the options go together");
+            let job =
+                Job::resolve(&args.picture, &args.bias, Place::NOWHERE, &Console::new(true)).expect("the options go together");
             assert_eq!(job.shadowing.of_first(&job.scene), engine.settings(kind), "{line}");
         }
     }
