@@ -23,6 +23,7 @@ use crate::{
     colors::{color_of, heat},
     console::Console,
     error::CliError,
+    memory::{self, Work},
     picture::{Picture, encode_color, pictures},
     resolve::{Job, view_names},
     specs::Selector,
@@ -112,6 +113,7 @@ pub(crate) fn explain(
         Selector::Index(wanted.light_view).find("view", &views)?;
     }
     let plan = plan_for(wanted, light, &job.plan);
+    memory::check_plan(job, &plan, Work::Explain(backend))?;
     let (open, once) = OpenBackend::open(backend, job, machine, RasterRules::default(), console)?;
     console.stage(format!("rendering on {}", open.place()));
     let (frame, times) = open.render(&plan, Request::ALL, console)?;

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use shadow_scene::{LayerName, Request};
+use shadow_scene::{FramePlan, LayerName, Request};
 
 use crate::{
     args::Backend,
@@ -81,6 +81,8 @@ impl fmt::Display for Limit {
 pub(crate) enum Work<'a> {
     /// One backend renders a layer, which is written.
     Render(Backend, LayerName, Format),
+    /// One backend renders all layers, and the colours once more without shadows, for a picture that explains them.
+    Explain(Backend),
     /// One backend after the other renders all layers, and they are compared.
     Compare([Backend; 2]),
     /// One backend renders, beside the tracer; all layers are given back and judged, and the frames of so many techniques stay.
@@ -137,8 +139,7 @@ struct Amounts {
 }
 
 impl Amounts {
-    fn of(job: &Job) -> Self {
-        let plan = &job.plan;
+    fn of(job: &Job, plan: &FramePlan) -> Self {
         Self {
             vertices: job.scene.vertices().positions.len() as u64,
             triangles: job.scene.triangles().len() as u64,
@@ -228,6 +229,11 @@ impl Amounts {
                 };
                 self.working(backend, request).plus(self.layers(request)).plus(written)
             }
+            // Some views draw the colours a second time.
+            Work::Explain(backend) => {
+                let pictures = Demand { frame: self.pixels.saturating_mul(3 + COLOR), ..Demand::default() };
+                self.working(backend, Request::ALL).plus(self.layers(Request::ALL)).plus(pictures)
+            }
             Work::Compare([first, second]) => {
                 let layers = self.layers(Request::ALL);
                 let working = self.working(first, Request::ALL).max(self.working(second, Request::ALL));
@@ -256,11 +262,18 @@ impl Amounts {
 
 /// Refuses a job that would take more memory than the limit, or more than the system would give.
 pub(crate) fn check(job: &Job, work: Work<'_>) -> Result<(), CliError> {
-    let demand = Amounts::of(job).of_work(work);
+    check_plan(job, &job.plan, work)
+}
+
+/// The same for another plan of the job's scene.
+pub(crate) fn check_plan(job: &Job, plan: &FramePlan, work: Work<'_>) -> Result<(), CliError> {
+    let demand = Amounts::of(job, plan).of_work(work);
+    // The light's view has a pixel for each texel.
+    let is_of_texels = plan.camera.width != job.plan.camera.width || plan.camera.height != job.plan.camera.height;
     let needed = demand.total();
     if needed > job.limit.bytes {
-        let parts = parts_text(job, demand);
-        let way_out = way_out(demand);
+        let parts = parts_text(job, plan, demand);
+        let way_out = way_out(demand, is_of_texels);
         return Err(CliError::TooMuchMemory { scene: job.scene_name.clone(), needed, limit: job.limit, parts, way_out });
     }
     // Reserving asks the system without touching the memory; where it refuses, a later allocation would have ended the program.
@@ -268,12 +281,16 @@ pub(crate) fn check(job: &Job, work: Work<'_>) -> Result<(), CliError> {
     if reserved {
         return Ok(());
     }
-    Err(CliError::OutOfMemory { scene: job.scene_name.clone(), needed, parts: parts_text(job, demand), way_out: way_out(demand) })
+    Err(CliError::OutOfMemory {
+        scene: job.scene_name.clone(),
+        needed,
+        parts: parts_text(job, plan, demand),
+        way_out: way_out(demand, is_of_texels),
+    })
 }
 
 /// The parts from the largest on, with what makes them as large as they are.
-fn parts_text(job: &Job, demand: Demand) -> String {
-    let plan = &job.plan;
+fn parts_text(job: &Job, plan: &FramePlan, demand: Demand) -> String {
     let size = plan.map_size;
     let mut parts = [
         (demand.meshes, format!("meshes {} ({})", bytes_text(demand.meshes), count(job.scene.triangles().len(), "triangle"))),
@@ -294,14 +311,14 @@ fn parts_text(job: &Job, demand: Demand) -> String {
     parts.map(|(_, text)| text).join(", ")
 }
 
-/// What to do about the largest part.
-fn way_out(demand: Demand) -> &'static str {
+/// What to do about the largest part. `is_of_texels` says that the picture is as large as a map.
+fn way_out(demand: Demand, is_of_texels: bool) -> &'static str {
     let Demand { meshes, textures, maps, frame } = demand;
     let choices = [
         (meshes, "use a scene of fewer triangles"),
         (textures, "use a scene of smaller textures"),
         (maps, "choose a smaller --map-size or fewer lights"),
-        (frame, "choose a smaller --size or fewer lights"),
+        (frame, if is_of_texels { "choose a smaller --map-size" } else { "choose a smaller --size or fewer lights" }),
     ];
     choices.into_iter().max_by_key(|(bytes, _)| *bytes).map_or("", |(_, choice)| choice)
 }
@@ -364,9 +381,10 @@ mod tests {
 
     #[test]
     fn the_way_out_is_that_of_the_largest_part() {
-        assert!(way_out(Demand { maps: 2, frame: 1, ..Demand::default() }).contains("--map-size"));
-        assert!(way_out(Demand { maps: 1, frame: 2, ..Demand::default() }).contains("--size"));
-        assert!(way_out(Demand { textures: 2, frame: 1, ..Demand::default() }).contains("textures"));
-        assert!(way_out(Demand { meshes: 2, frame: 1, ..Demand::default() }).contains("triangles"));
+        assert!(way_out(Demand { maps: 2, frame: 1, ..Demand::default() }, false).contains("--map-size"));
+        assert!(way_out(Demand { maps: 1, frame: 2, ..Demand::default() }, false).contains("--size"));
+        assert!(way_out(Demand { maps: 1, frame: 2, ..Demand::default() }, true).contains("--map-size"));
+        assert!(way_out(Demand { textures: 2, frame: 1, ..Demand::default() }, false).contains("textures"));
+        assert!(way_out(Demand { meshes: 2, frame: 1, ..Demand::default() }, false).contains("triangles"));
     }
 }

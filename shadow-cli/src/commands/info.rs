@@ -23,6 +23,8 @@ struct Report<'a> {
     triangles: usize,
     vertices: usize,
     instances: usize,
+    /// Every instance, by the number and name that `--no-cast` has for it.
+    objects: Vec<Object<'a>>,
     /// How many meshes the file has, each counted once.
     meshes: usize,
     primitives: usize,
@@ -52,6 +54,13 @@ struct Materials {
     opaque: usize,
     mask: usize,
     blend: usize,
+}
+
+/// An instance of a mesh.
+#[derive(Debug, Serialize)]
+struct Object<'a> {
+    name: &'a str,
+    triangles: u32,
 }
 
 /// An image of the file.
@@ -166,6 +175,11 @@ impl<'a> Report<'a> {
             triangles: scene.triangles().len(),
             vertices: scene.vertices().positions.len(),
             instances: scene.instances().len(),
+            objects: scene
+                .instances()
+                .iter()
+                .map(|object| Object { name: &object.name, triangles: object.triangle_count })
+                .collect(),
             meshes: source.meshes,
             primitives: source.primitives,
             materials: Materials { opaque: scene.materials().len().saturating_sub(mask + blend), mask, blend },
@@ -222,6 +236,9 @@ impl<'a> Camera<'a> {
     }
 }
 
+/// How many objects the report for people names: those of a large scene would hide all else.
+const SHOWN_OBJECTS: usize = 20;
+
 /// The report for people.
 fn text(report: &Report<'_>) -> String {
     let Materials { opaque, mask, blend } = report.materials;
@@ -240,6 +257,11 @@ fn text(report: &Report<'_>) -> String {
         None => format!("{}, not used", quoted(image.name)),
     };
     let drawn = |is_drawn: bool| if is_drawn { ", drawn" } else { "" };
+    let object = |object: &Object<'_>| format!("{}, {}", quoted(object.name), count(object.triangles as usize, "triangle"));
+    rows.extend(numbered("object", report.objects.iter().take(SHOWN_OBJECTS).map(object)));
+    if let Some(more) = report.objects.len().checked_sub(SHOWN_OBJECTS).filter(|&more| more > 0) {
+        rows.push(("objects", format!("and {more} more (--json lists all)")));
+    }
     rows.extend(numbered("image", report.images.iter().map(image)));
     let lights = report.lights.iter();
     rows.extend(numbered(

@@ -159,13 +159,15 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     let from_files = args.settings.iter().map(technique).collect::<Result<Vec<_>, _>>()?;
     let backends = [args.rendering.backend];
     let place = Place::new(&backends, &args.machine);
-    let mut job =
-        Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, place, &console)? };
+    let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, place, &console)? };
     let techniques = techniques(&job, args, from_files)?;
     let plans = techniques.iter().map(|technique| plan(&job, technique, args)).collect::<Result<Vec<_>, _>>()?;
     for plan in &plans {
-        job.plan = plan.clone();
-        memory::check(&job, Work::Measure(args.rendering.backend, if args.report.is_some() { plans.len() } else { 1 }))?;
+        memory::check_plan(
+            &job,
+            plan,
+            Work::Measure(args.rendering.backend, if args.report.is_some() { plans.len() } else { 1 }),
+        )?;
     }
     if let Some(folder) = &args.report {
         make_folder(folder)?;
@@ -173,7 +175,6 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
     if has_sized_light(&job.scene) {
         console.note("shadow maps are drawn for a light's centre: the causes are for that, and rmse has its whole size");
     }
-    let job = job;
 
     console.stage("building the tracer's tree");
     let tracer = Tracer::new(&job.scene, args.machine.threads as usize)?;

@@ -8,6 +8,7 @@ use shadow_cpu::{
         confidence::{CONFIDENCE, Intervals},
     },
 };
+use shadow_math::ShadowSettings;
 use shadow_scene::{LayerName, StageTimes};
 
 use super::Verdict;
@@ -91,17 +92,20 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     let place = Place::new(&backends, &args.machine);
     let job = Job { light_samples: args.rendering.light_samples, ..Job::resolve(&args.picture, &args.bias, place, &console)? };
     let layer = job.layer(&args.show)?;
+    if args.rendering.backend == Backend::Trace {
+        note_maps_of_trace(args, &job, &console);
+    }
     if args.rendering.backend == Backend::Trace && matches!(layer, LayerName::ShadowMap { .. }) {
         return Err(CliError::MapOfTrace);
     }
     if args.rendering.backend != Backend::Trace && has_sized_light(&job.scene) {
         console.note("shadow maps are drawn for a light's centre, so that its shadows are hard; --backend trace shows its size");
     }
-    memory::check(&job, Work::Render(args.rendering.backend, layer, format))?;
     if let Show::Debug(view, light, light_view) = &args.show {
         let wanted = Wanted { view: *view, light, light_view: *light_view };
         return explained(&wanted, args, &job, format, &console);
     }
+    memory::check(&job, Work::Render(args.rendering.backend, layer, format))?;
 
     let rendered = args.rendering.backend.render(&job, request_for(layer), &args.machine, RasterRules::default(), &console)?;
     let shown = rendered.layer(layer)?;
@@ -129,6 +133,27 @@ pub(super) fn run(args: &RenderArgs) -> Result<Verdict, CliError> {
     };
     if args.json { print_json(&report) } else { print(&sentences(&report, &job, &rendered, &layer.to_string())) }?;
     Ok(Verdict::Done)
+}
+
+/// Says which options do nothing where there are no maps.
+fn note_maps_of_trace(args: &RenderArgs, job: &Job, console: &Console) {
+    let (default, settings) = (ShadowSettings::default(), job.shadowing.of_first(&job.scene));
+    let (shadows, has_preset) = (&args.picture.shadows, args.bias.preset.is_some());
+    let options = [
+        ("--preset", has_preset),
+        ("--bias", settings.bias != default.bias && !has_preset),
+        ("--map-size", shadows.map_size != default.map_size),
+        ("--store", shadows.store != default.store),
+        ("--filter", shadows.filter.0 != default.filter),
+        ("--texels", shadows.texels != default.texels),
+        ("--subpixel-bits", shadows.subpixel_bits.is_some()),
+        ("--light-settings", !shadows.light_settings.is_empty()),
+        ("--shadow-budget", shadows.shadow_budget.is_some()),
+    ];
+    let unused: Vec<&str> = options.into_iter().filter(|(_, is_given)| *is_given).map(|(option, _)| option).collect();
+    if !unused.is_empty() {
+        console.note(&format!("the trace backend has no shadow maps: {} has no effect", unused.join(", ")));
+    }
 }
 
 /// Writes a picture that explains the frame.

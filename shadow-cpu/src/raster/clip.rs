@@ -1,7 +1,8 @@
 //! Clipping in homogeneous space (Sutherland and Hodgman 1974), in the order and with the arithmetic that the rules demand.
 
 use super::{
-    RasterRules,
+    DepthPlaneRule, RasterRules,
+    setup::{DepthPlane, plane_of},
     transform::{Viewpoint, WindowVertex, outcode},
 };
 use crate::kernel::{MultiplyAdd, Separate};
@@ -50,14 +51,14 @@ fn distance(code: u8, [x, y, z, w]: [f32; 4], side: f32) -> f32 {
     }
 }
 
-/// Clips a triangle against the planes in `codes`, the union of its vertices' outcodes, and passes on the fan of what is left.
+/// Clips a triangle against the planes in `codes`, the union of its vertices' outcodes, and passes on the fan of what is left, with the depth plane of all of it where the rules have one.
 #[inline(always)]
 pub(crate) fn clip_triangle<M: MultiplyAdd>(
     corners: [[f32; 4]; 3],
     codes: u32,
     view: &Viewpoint,
     rules: &RasterRules,
-    mut emit: impl FnMut(WindowVertex, WindowVertex, WindowVertex),
+    mut emit: impl FnMut([WindowVertex; 3], Option<DepthPlane>),
 ) {
     let side = rules.clip_side();
     let mut polygon = Polygon::EMPTY;
@@ -95,15 +96,30 @@ pub(crate) fn clip_triangle<M: MultiplyAdd>(
     let window = |vertex: ClipVertex| {
         if vertex.is_new { view.window::<Separate>(vertex.position, scale) } else { view.window::<M>(vertex.position, scale) }
     };
+    let plane = match rules.depth_plane {
+        DepthPlaneRule::Unsnapped => None,
+        DepthPlaneRule::Snapped => plane_of_whole(corners, view, rules),
+    };
     let first = window(polygon.vertices[0]);
     let mut previous = window(polygon.vertices[1]);
     for vertex in &polygon.vertices[2..polygon.len] {
         let vertex = window(*vertex);
         if first.has_room() && previous.has_room() && vertex.has_room() {
-            emit(first, previous, vertex);
+            emit([first, previous, vertex], plane);
         }
         previous = vertex;
     }
+}
+
+/// The depth plane through a triangle's own corners in the window, behind the eye or not; none where that has no numbers, as with a corner at the eye.
+#[inline(always)]
+fn plane_of_whole(mut corners: [[f32; 4]; 3], view: &Viewpoint, rules: &RasterRules) -> Option<DepthPlane> {
+    // The plane is evaluated from its first corner: of the farthest one the coordinates are the smallest.
+    let farthest = (1..3).fold(0, |farthest, corner| if corners[corner][3] > corners[farthest][3] { corner } else { farthest });
+    corners.rotate_left(farthest);
+    let [v0, v1, v2] = corners.map(|corner| view.window::<Separate>(corner, rules.subpixel_scale()));
+    let plane = plane_of([&v0, &v1, &v2], rules);
+    (plane.origin.is_finite() && plane.dx.is_finite() && plane.dy.is_finite()).then_some(plane)
 }
 
 /// The point where an edge crosses a plane, computed from the endpoint that is nearer to it; between equals from the inner one.

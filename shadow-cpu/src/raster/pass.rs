@@ -9,7 +9,7 @@ use super::{
     bins::{Binned, Bins, TILE_SIZE},
     clip::clip_triangle,
     sample::{Corner, Part, draw_large, draw_masked, draw_small},
-    setup::{Culling, Extent, look_at, setup_large, setup_small},
+    setup::{Culling, DepthPlane, Extent, look_at, setup_large, setup_small},
     tile::{DepthTile, STRIDE, Tile, VisibilityTile},
     transform::{Positions, Transformed, Viewpoint, WindowVertex},
 };
@@ -235,14 +235,13 @@ impl Kernel for BinKernel<'_> {
                     waiting.flush::<L>(vertices, extent, rules, bins);
                     let codes = corners[lane].map(|corner| vertices.grid(corner).outcode());
                     let codes = codes[0] | codes[1] | codes[2];
-                    let mut emit = |v0: WindowVertex, v1: WindowVertex, v2: WindowVertex| {
-                        if let Some(triangle) = setup_large(id, [&v0, &v1, &v2], culling, extent, rules) {
+                    let mut emit = |[v0, v1, v2]: [WindowVertex; 3], plane: Option<DepthPlane>| {
+                        if let Some(triangle) = setup_large(id, [&v0, &v1, &v2], plane, culling, extent, rules) {
                             bins.push_large(triangle);
                         }
                     };
                     if codes == 0 {
-                        let [v0, v1, v2] = corners[lane].map(|corner| vertices.vertex(corner));
-                        emit(v0, v1, v2);
+                        emit(corners[lane].map(|corner| vertices.vertex(corner)), None);
                     } else {
                         let clip = corners[lane].map(|corner| {
                             let position = positions.get(corner);

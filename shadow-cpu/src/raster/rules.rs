@@ -20,7 +20,7 @@ impl ClipRule {
 pub enum DepthPlaneRule {
     /// The window coordinates as they were computed.
     Unsnapped,
-    /// The window coordinates on the sub-pixel grid.
+    /// The window coordinates on the sub-pixel grid. The plane of a triangle that is clipped goes through its own corners, wherever they are, and not through those that clipping makes.
     Snapped,
 }
 
@@ -47,8 +47,8 @@ impl RasterRules {
         Self { subpixel_bits: 8, depth_plane: DepthPlaneRule::Unsnapped, clip: ClipRule::Viewport, fused }
     }
 
-    /// SwiftShader: 4 bits of sub-pixel grid, and depth from snapped vertices. Found by comparison and not complete: cameras and directional maps
-    /// agree within the tolerances, while a perspective map differs in some texel of 10,000.
+    /// SwiftShader: 4 bits of sub-pixel grid, and depth from snapped vertices. Found by comparison, and complete but for the order in which a depth plane's terms are summed: on the scenes that were compared all
+    /// samples are covered alike, and depths differ by up to `4e-5` of the range in the steepest triangles.
     pub const SWIFTSHADER: Self =
         Self { subpixel_bits: 4, depth_plane: DepthPlaneRule::Snapped, clip: ClipRule::Viewport, fused: false };
 }

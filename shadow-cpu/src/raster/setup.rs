@@ -321,11 +321,23 @@ fn snapped(grid_x: i32, grid_y: i32, z: f32, rules: &RasterRules) -> [f32; 3] {
     [grid_x as f32 / rules.subpixel_scale() + 0.5, grid_y as f32 / rules.subpixel_scale() + 0.5, z]
 }
 
-/// Sets a triangle of any size up; `None` if it covers no sample, has no area on the grid, or is culled.
+/// The depth plane of a triangle with these corners, by the rules.
+#[inline(always)]
+pub(crate) fn plane_of(corners: [&WindowVertex; 3], rules: &RasterRules) -> DepthPlane {
+    let points = corners.map(|v| match rules.depth_plane {
+        DepthPlaneRule::Unsnapped => [v.x, v.y, v.z],
+        DepthPlaneRule::Snapped => snapped(v.grid_x, v.grid_y, v.z, rules),
+    });
+    DepthPlane::through(points, 1.0, 0.5)
+}
+
+/// Sets a triangle of any size up; `None` if it covers no sample, has no area on the grid, or is culled. `plane` is its depth plane where that is not the one through its
+/// corners.
 #[inline(always)]
 pub(crate) fn setup_large(
     id: u32,
     [v0, v1, v2]: [&WindowVertex; 3],
+    plane: Option<DepthPlane>,
     culling: Culling,
     extent: Extent,
     rules: &RasterRules,
@@ -357,10 +369,6 @@ pub(crate) fn setup_large(
         let is_top_left = a[edge] < 0 || (a[edge] == 0 && b[edge] >= 0);
         c[edge] = (value - i64::from(!is_top_left)) >> bits;
     }
-    let points = [v0, v1, v2].map(|v| match rules.depth_plane {
-        DepthPlaneRule::Unsnapped => [v.x, v.y, v.z],
-        DepthPlaneRule::Snapped => snapped(v.grid_x, v.grid_y, v.z, rules),
-    });
     Some(LargeTriangle {
         id,
         min_x: min_x as u16,
@@ -370,6 +378,6 @@ pub(crate) fn setup_large(
         a,
         b,
         c,
-        plane: DepthPlane::through(points, 1.0, 0.5),
+        plane: plane.unwrap_or_else(|| plane_of([v0, v1, v2], rules)),
     })
 }
