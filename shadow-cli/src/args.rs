@@ -96,7 +96,7 @@ pub(crate) enum Command {
     /// Renders the scene with both backends and compares every layer: the triangles that the camera sees, their depth, all shadow maps,
     /// the visibility of every light, and the color.
     ///
-    /// On a driver whose rules are known exactly (lavapipe of Mesa 22.3) the contract is `exact`: any differing bit breaks it. On any
+    /// On a driver whose rules are known exactly (lavapipe of Mesa 22.3, SwiftShader) the contract is `exact`: any differing bit breaks it. On any
     /// other it is `tolerance`: WebGPU leaves drivers choices about edges and rounding, so pixels where one of them decides are left out
     /// and counted by their reason, and the rest must agree.
     ///

@@ -5,10 +5,14 @@ use std::time::Instant;
 use serde::Serialize;
 use shadow_cpu::{
     CpuRenderer, PreparedScene, RasterRules,
+    raster::DepthPlaneRule,
     renderer::CameraBuffer,
     trace::{CameraView, Sampling, Tracer},
 };
-use shadow_gpu::{AdapterSummary, DriverRules, GpuRenderer, GpuScene, find_adapter};
+use shadow_gpu::{
+    AdapterSummary, DriverRules, GpuRenderer, GpuScene, find_adapter,
+    probe::{DepthPlane, probe_raster},
+};
 use shadow_math::{LightShape, ShadowSettings};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Request, Scene, StageTimes};
 
@@ -26,19 +30,24 @@ pub(crate) struct Place<'a> {
     pub(crate) backends: &'a [Backend],
     /// The adapter's name, if one was chosen.
     pub(crate) adapter: Option<&'a str>,
+    /// Bits of its sub-pixel grid, if they were measured.
+    pub(crate) subpixel_bits: Option<u32>,
 }
 
 impl<'a> Place<'a> {
     /// By nobody yet.
-    pub(crate) const NOWHERE: Self = Self { backends: &[], adapter: None };
+    pub(crate) const NOWHERE: Self = Self { backends: &[], adapter: None, subpixel_bits: None };
 
     /// By these backends of a machine.
     pub(crate) fn new(backends: &'a [Backend], machine: &'a MachineArgs) -> Self {
-        Self { backends, adapter: machine.adapter.as_deref() }
+        Self { backends, adapter: machine.adapter.as_deref(), subpixel_bits: None }
     }
 
     /// Bits of the coarsest sub-pixel grid there: the adapter's, where it is known, and else the default.
     pub(crate) fn subpixel_bits(&self) -> Result<u32, CliError> {
+        if let Some(bits) = self.subpixel_bits {
+            return Ok(bits);
+        }
         let mut bits = ShadowSettings::default().subpixel_bits;
         if self.backends.contains(&Backend::Gpu) {
             let adapter = pollster::block_on(find_adapter(self.adapter))?;
@@ -98,12 +107,21 @@ pub(crate) fn check_machine(machine: &MachineArgs, backends: &[Backend], console
     Ok(())
 }
 
-/// The rules that the CPU backend follows to be compared with a driver: the driver's, as far as they are known.
-pub(crate) fn rules_of(driver: DriverRules) -> RasterRules {
-    match driver {
+/// The rules that the CPU backend follows to be compared with an adapter: its driver's where they are known, and else what a probe finds.
+pub(crate) fn rules_of(adapter: Option<&str>, console: &Console) -> Result<RasterRules, CliError> {
+    Ok(match pollster::block_on(find_adapter(adapter))?.rules {
+        DriverRules::Lavapipe22 => RasterRules::lavapipe(RasterRules::default().fused),
         DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
-        DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
-    }
+        DriverRules::Unknown => {
+            console.stage("measuring how the adapter draws");
+            let (raster, plane) = pollster::block_on(probe_raster(adapter))?;
+            let depth_plane = plane.plane.ok().map(|plane| match plane {
+                DepthPlane::Snapped => DepthPlaneRule::Snapped,
+                DepthPlane::Unsnapped => DepthPlaneRule::Unsnapped,
+            });
+            RasterRules::measured(raster.subpixel_bits.ok(), depth_plane)
+        }
+    })
 }
 
 /// How long it took to get ready, in milliseconds: what is done once, however many frames follow.

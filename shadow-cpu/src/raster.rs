@@ -11,6 +11,7 @@
 mod bins;
 mod clip;
 mod pass;
+mod plane;
 mod rules;
 mod sample;
 mod setup;
@@ -19,7 +20,7 @@ mod tile;
 mod transform;
 
 pub use pass::{AlphaTest, MAX_TARGET_SIZE, NoAlphaTest, Run, Scratch, Target, rasterize_depth, rasterize_visibility};
-pub use rules::{ClipRule, DepthPlaneRule, RasterRules};
+pub use rules::{ClipRule, DepthPlaneRule, RasterRules, SnapRule};
 pub use setup::Culling;
 pub use stored::{Drawing, rasterize_second, rasterize_stored};
 pub use transform::Positions;

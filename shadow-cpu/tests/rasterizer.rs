@@ -3,7 +3,7 @@
 use glam::Vec3;
 use proptest::prelude::*;
 use shadow_cpu::raster::{
-    ClipRule, Culling, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Scratch, Target, rasterize_depth,
+    ClipRule, Culling, DepthPlaneRule, NoAlphaTest, Positions, RasterRules, Run, Scratch, SnapRule, Target, rasterize_depth,
 };
 
 /// A target whose clip space is the world's x, y, z with w = 1.
@@ -33,10 +33,12 @@ fn culled(positions: &[Vec3], triangles: &[[u32; 3]], target: &Target, rules: &R
 }
 
 fn rules() -> impl Strategy<Value = RasterRules> {
-    let clip = prop::sample::select(vec![ClipRule::Viewport, ClipRule::GuardBand]);
+    let clip = prop::sample::select(vec![ClipRule::Viewport, ClipRule::NearFirst, ClipRule::GuardBand]);
     let plane = prop::sample::select(vec![DepthPlaneRule::Unsnapped, DepthPlaneRule::Snapped]);
-    (4..=8_u32, plane, clip, any::<bool>()).prop_map(|(subpixel_bits, depth_plane, clip, fused)| RasterRules {
+    let snap = prop::sample::select(vec![SnapRule::FromPixels, SnapRule::AtOnce]);
+    (4..=8_u32, snap, plane, clip, any::<bool>()).prop_map(|(subpixel_bits, snap, depth_plane, clip, fused)| RasterRules {
         subpixel_bits,
+        snap,
         depth_plane,
         clip,
         fused,
@@ -237,10 +239,12 @@ fn a_triangle_with_an_infinite_vertex_covers_nothing_here() {
     let rows = [[2.0, 2.0, 2.0, 0.0], [2.0, 2.0, 2.0, 0.0], [1.0, 1.0, 1.0, 0.0], [2.0, 2.0, 2.0, 1.0]];
     let target = Target { clip_rows: rows, width: 64, height: 64 };
     let (near, middle) = (Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.2, 0.1));
-    for clip in [ClipRule::Viewport, ClipRule::GuardBand] {
+    let rules =
+        [RasterRules::default(), RasterRules { clip: ClipRule::GuardBand, ..RasterRules::default() }, RasterRules::SWIFTSHADER];
+    for rules in rules {
         for far in [Vec3::X * 3e38, Vec3::Y * 1.6e38, Vec3::Z * 1e37] {
             for positions in [[far, near, middle], [far, middle, far], [far, far * 0.5, near]] {
-                let depths = covered(&positions, &[[0, 1, 2]], &target, &RasterRules { clip, ..RasterRules::default() });
+                let depths = covered(&positions, &[[0, 1, 2]], &target, &rules);
                 assert!(depths.iter().all(|&depth| depth == 1.0), "{positions:?}");
             }
         }

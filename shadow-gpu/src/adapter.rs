@@ -7,13 +7,19 @@ use crate::error::GpuError;
 pub enum DriverRules {
     /// Mesa 22.3's lavapipe: measured completely. A renderer that follows the rules agrees in every bit.
     Lavapipe22,
-    /// SwiftShader: its grid and its depth plane are known, its arithmetic is not.
+    /// SwiftShader with the code generator Subzero, as browsers have it: measured completely too.
     SwiftShader,
     /// Anything else: only what WebGPU promises is known.
     Unknown,
 }
 
 impl DriverRules {
+    /// Whether all of its rules are known, so that a renderer that follows them agrees in every bit.
+    #[must_use]
+    pub fn are_complete(self) -> bool {
+        matches!(self, Self::Lavapipe22 | Self::SwiftShader)
+    }
+
     /// The bits of its sub-pixel grid, where they are known.
     #[must_use]
     pub fn subpixel_bits(self) -> Option<u32> {
@@ -77,7 +83,7 @@ fn driver_rules(info: &wgpu::AdapterInfo) -> DriverRules {
     let is_lavapipe = cfg!(target_arch = "x86_64") && info.backend == wgpu::Backend::Vulkan && info.driver == "llvmpipe";
     if is_lavapipe && info.driver_info.starts_with("Mesa 22.3.") {
         DriverRules::Lavapipe22
-    } else if info.backend == wgpu::Backend::Vulkan && info.driver.starts_with("SwiftShader") {
+    } else if info.backend == wgpu::Backend::Vulkan && info.name.starts_with("SwiftShader Device (Subzero)") {
         DriverRules::SwiftShader
     } else {
         DriverRules::Unknown

@@ -106,6 +106,19 @@ pub struct AdapterRules {
     pub formats: Vec<FormatRules>,
 }
 
+/// Measures what decides which samples of a map are covered and which depth they get, of the adapter that [`probe`] would take: a part of what that measures, in a fraction of its time.
+///
+/// # Errors
+///
+/// As [`probe`].
+pub async fn probe_raster(adapter: Option<&str>) -> Result<(RasterFindings, PlaneRules), GpuError> {
+    let adapter = choose_adapter(&new_instance(), adapter).await?;
+    let rig = Rig::open(&adapter).await?;
+    let raster = raster::measure(&rig).await;
+    let plane = plane::measure(&rig, &raster).await;
+    Ok((raster, plane))
+}
+
 /// Measures the adapter whose name contains `adapter`; without a name the one that `WGPU_ADAPTER_NAME` names, else the one that wgpu
 /// prefers.
 ///

@@ -87,6 +87,9 @@ pub fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
     wrapped
 }
 
+/// One of 255 steps of alpha. A factor, since some shader compilers make one of a division by a constant; 255 of them are 1 exactly.
+pub const ALPHA_STEP: f32 = 1.0 / 255.0;
+
 /// One texel, decoded: linear colour and alpha. `words` begins with the decode table.
 #[inline(always)]
 #[must_use]
@@ -94,7 +97,7 @@ pub fn decode_texel(words: &[u32], texel: u32) -> Vec4 {
     let r = f32::from_bits(words[(texel & 0xff) as usize]);
     let g = f32::from_bits(words[(texel >> 8 & 0xff) as usize]);
     let b = f32::from_bits(words[(texel >> 16 & 0xff) as usize]);
-    let a = (texel >> 24) as f32 / 255.0;
+    let a = (texel >> 24) as f32 * ALPHA_STEP;
     Vec4::new(r, g, b, a)
 }
 

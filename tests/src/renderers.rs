@@ -6,8 +6,11 @@ use std::{
     sync::OnceLock,
 };
 
-use shadow_cpu::{CpuRenderer, RasterRules};
-use shadow_gpu::{DriverRules, GpuRenderer};
+use shadow_cpu::{CpuRenderer, RasterRules, raster::DepthPlaneRule};
+use shadow_gpu::{
+    DriverRules, GpuRenderer,
+    probe::{DepthPlane, probe_raster},
+};
 use shadow_math::ShadowSettings;
 use shadow_scene::compare::Contract;
 
@@ -15,17 +18,27 @@ use crate::report::say;
 
 /// What the adapter under test is held to.
 pub fn contract() -> Contract {
-    match gpu().adapter().rules {
-        DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
-    }
+    if gpu().adapter().rules.are_complete() { Contract::Exact } else { Contract::Tolerance }
 }
 
-/// The rules of the adapter under test, as far as they are known, for CPU renderers that are compared with it.
+/// The rules of the adapter under test, for CPU renderers that are compared with it: its driver's where they are known, and else what a probe finds.
+///
+/// # Panics
+///
+/// If the adapter cannot be probed.
 pub fn rules() -> RasterRules {
+    static PROBED: OnceLock<RasterRules> = OnceLock::new();
     match gpu().adapter().rules {
+        DriverRules::Lavapipe22 => RasterRules::default(),
         DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
-        DriverRules::Lavapipe22 | DriverRules::Unknown => RasterRules::default(),
+        DriverRules::Unknown => *PROBED.get_or_init(|| {
+            let (raster, plane) = pollster::block_on(probe_raster(None)).expect("the adapter draws");
+            let depth_plane = plane.plane.ok().map(|plane| match plane {
+                DepthPlane::Snapped => DepthPlaneRule::Snapped,
+                DepthPlane::Unsnapped => DepthPlaneRule::Unsnapped,
+            });
+            RasterRules::measured(raster.subpixel_bits.ok(), depth_plane)
+        }),
     }
 }
 
@@ -34,12 +47,22 @@ pub fn settings() -> ShadowSettings {
     ShadowSettings { subpixel_bits: rules().subpixel_bits, ..ShadowSettings::default() }
 }
 
-/// A CPU renderer with one thread a core and the [`rules`] of the adapter under test.
+/// A CPU renderer with one thread a core and the default rules, whatever the adapter under test.
 ///
 /// # Panics
 ///
 /// If the threads cannot be started.
 pub fn cpu() -> &'static CpuRenderer {
+    static RENDERER: OnceLock<CpuRenderer> = OnceLock::new();
+    RENDERER.get_or_init(|| CpuRenderer::new(0, RasterRules::default()).expect("the threads start"))
+}
+
+/// A CPU renderer with one thread a core and the [`rules`] of the adapter under test, to be compared with it.
+///
+/// # Panics
+///
+/// If the threads cannot be started.
+pub fn counterpart() -> &'static CpuRenderer {
     static RENDERER: OnceLock<CpuRenderer> = OnceLock::new();
     RENDERER.get_or_init(|| CpuRenderer::new(0, rules()).expect("the threads start"))
 }

@@ -18,8 +18,8 @@ use shadow_tests::{
 };
 
 fn cpu_frame(scene: &Scene, plan: &FramePlan) -> Frame {
-    let prepared = renderers::cpu().prepare(scene);
-    renderers::cpu().render(&prepared, plan, Request::ALL).expect("the scene can be rendered").frame
+    let prepared = renderers::counterpart().prepare(scene);
+    renderers::counterpart().render(&prepared, plan, Request::ALL).expect("the scene can be rendered").frame
 }
 
 /// The layers of a map stage's result, in the order of the views.

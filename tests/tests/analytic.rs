@@ -20,7 +20,7 @@ fn from_above(half_height: f64) -> Camera {
 const PIXELS: u32 = 512;
 
 fn render(scene: &Scene, half_height: f64, filter: Filter) -> (FramePlan, Frame) {
-    let settings = ShadowSettings { filter, bias: Bias::default(), map_size: 2048, ..renderers::settings() };
+    let settings = ShadowSettings { filter, bias: Bias::default(), map_size: 2048, ..ShadowSettings::default() };
     let plan =
         FramePlan::new(scene, &from_above(half_height), &settings, PIXELS, PIXELS, None).expect("the scene can be planned");
     let renderer = renderers::cpu();
@@ -109,7 +109,7 @@ fn the_shadow_of_a_box_is_where_rays_to_the_light_meet_it() {
     for (name, kind, split) in cases {
         let light = Light { kind, color: Vec3::ONE, intensity: 1000.0 };
         let scene = scene.clone().with_lights(vec![SceneLight::new(name, light)]);
-        let settings = ShadowSettings { filter: Filter::Hard, split, map_size: 2048, ..renderers::settings() };
+        let settings = ShadowSettings { filter: Filter::Hard, split, map_size: 2048, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &from_above(6.0), &settings, PIXELS, PIXELS, None).expect("the scene can be planned");
         let renderer = renderers::cpu();
         let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
@@ -183,7 +183,7 @@ fn a_grazing_light_leaves_no_acne() {
         assert!(seen > 10_000, "the plane is in the picture");
         assert!(visibility.iter().all(|&visibility| visibility == 1.0), "{filter:?}");
     }
-    let constant = ShadowSettings { bias: Bias::constant(0.01), map_size: 512, ..renderers::settings() };
+    let constant = ShadowSettings { bias: Bias::constant(0.01), map_size: 512, ..ShadowSettings::default() };
     let plan = FramePlan::new(&scene, &from_above(4.0), &constant, PIXELS, PIXELS, None).expect("the scene can be planned");
     let renderer = renderers::cpu();
     let frame = renderer.render(&renderer.prepare(&scene), &plan, Request::ALL).expect("the scene can be rendered").frame;
@@ -204,7 +204,7 @@ fn back_faces_of_a_box_are_as_far_below_as_it_is_high() {
         builder.add_light("sun", Light { kind: sun, color: Vec3::ONE, intensity: 1.0 });
         builder.add_camera("above", from_above(2.0));
         let scene = builder.build().expect("the scene is whole");
-        let settings = ShadowSettings { bias, map_size: 64, ..renderers::settings() };
+        let settings = ShadowSettings { bias, map_size: 64, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &from_above(2.0), &settings, 16, 16, None).expect("the scene can be planned");
         let map = LayerName::ShadowMap { light: 0, view: 0 };
         let cpu = renderers::cpu().render(&renderers::cpu().prepare(&scene), &plan, Request::ALL).expect("it fits").frame;

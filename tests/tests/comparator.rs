@@ -14,8 +14,8 @@ fn twins() -> (Scene, FramePlan, Frame, Frame) {
     let scene = builtin::demo();
     let settings = ShadowSettings { map_size: 256, ..ShadowSettings::default() };
     let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, 160, 90, None).expect("the demo can be planned");
-    let prepared = renderers::cpu().prepare(&scene);
-    let first = renderers::cpu().render(&prepared, &plan, Request::ALL).expect("the demo can be rendered").frame;
+    let prepared = renderers::counterpart().prepare(&scene);
+    let first = renderers::counterpart().render(&prepared, &plan, Request::ALL).expect("the demo can be rendered").frame;
     let second = Frame { source: "twin".into(), ..first.clone() };
     (scene, plan, first, second)
 }
@@ -164,8 +164,8 @@ fn too_many_edges_are_too_many() {
     assert!(matches!(camera.projection, Projection::Perspective { .. }));
     let render = |camera: &Camera| {
         let plan = FramePlan::new(&scene, camera, &settings, 160, 90, None).expect("the demo can be planned");
-        let prepared = renderers::cpu().prepare(&scene);
-        (renderers::cpu().render(&prepared, &plan, Request::ALL).expect("the demo can be rendered").frame, plan)
+        let prepared = renderers::counterpart().prepare(&scene);
+        (renderers::counterpart().render(&prepared, &plan, Request::ALL).expect("the demo can be rendered").frame, plan)
     };
     let (first, plan) = render(&camera);
     let (moved, _) = render(&shifted);

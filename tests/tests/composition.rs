@@ -11,7 +11,7 @@ use shadow_scene::{
 };
 use shadow_tests::{
     lights::one_of_each,
-    renderers::{self, contract, cpu},
+    renderers::{self, contract, counterpart},
 };
 
 const SIZE: (u32, u32) = (240, 135);
@@ -31,7 +31,7 @@ fn plan_of(scene: &Scene, composition: Composition, light_passes: LightPasses) -
 
 /// On the CPU and on the GPU.
 fn frames(scene: &Scene, plan: &FramePlan) -> [Frame; 2] {
-    let on_cpu = cpu().render(&cpu().prepare(scene), plan, Request::ALL).expect("it can be rendered").frame;
+    let on_cpu = counterpart().render(&counterpart().prepare(scene), plan, Request::ALL).expect("it can be rendered").frame;
     let uploaded = pollster::block_on(renderers::gpu().upload(scene)).expect("it fits");
     [on_cpu, pollster::block_on(renderers::gpu().render(&uploaded, plan, Request::ALL)).expect("it can be rendered").frame]
 }

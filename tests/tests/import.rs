@@ -113,8 +113,8 @@ fn a_scene_without_triangles_is_an_empty_picture() {
     let camera = scene.cameras()[0].camera;
     let settings = ShadowSettings { map_size: 64, ..ShadowSettings::default() };
     let plan = FramePlan::new(&scene, &camera, &settings, 33, 17, None).expect("an empty scene can be planned");
-    let prepared = renderers::cpu().prepare(&scene);
-    let cpu = renderers::cpu().render(&prepared, &plan, Request::ALL).expect("the CPU renders nothing").frame;
+    let prepared = renderers::counterpart().prepare(&scene);
+    let cpu = renderers::counterpart().render(&prepared, &plan, Request::ALL).expect("the CPU renders nothing").frame;
     let gpu = renderers::gpu();
     let gpu = pollster::block_on(async {
         let uploaded = gpu.upload(&scene).await.expect("the GPU takes nothing");

@@ -15,10 +15,7 @@ use shadow_scene::{
     Alpha, Frame, FramePlan, Image, LayerName, Material, NO_TRIANGLE, Pixels, Request, Scene, SceneBuilder, SceneLight, Texture,
     Wrap, builtin, builtin::shapes,
 };
-use shadow_tests::{
-    renderers::{self, cpu},
-    report::say,
-};
+use shadow_tests::{renderers::cpu, report::say};
 
 /// What a judgement needs of a frame.
 const JUDGED: Request = Request { camera: true, shadow_maps: true, visibility: true, color: false };
@@ -64,7 +61,7 @@ fn points(scene: &Scene) -> Vec<Option<SurfacePoint>> {
 fn a_plane_that_shadows_itself_has_acne_alone() {
     let scene = builtin::tilted_plane(Vec3::new(0.3, 1.0, 0.2), 5.0);
     for filter in [Filter::Hard, Filter::Bilinear] {
-        let settings = |bias| ShadowSettings { bias, filter, map_size: 256, ..renderers::settings() };
+        let settings = |bias| ShadowSettings { bias, filter, map_size: 256, ..ShadowSettings::default() };
         let none = judged(&scene, &settings(Bias::NONE)).total();
         assert_eq!(none.wrong(), none.count(Cause::Acne), "{none:?}");
         assert!(none.wrong() * 5 > none.judged * 2, "{} of {} pixels", none.wrong(), none.judged);
@@ -98,7 +95,7 @@ fn what_hides_no_light_hides_no_acne() {
         builder.add_camera("main", camera.expect("the eye is not the target"));
         builder.build().expect("the scene is whole")
     };
-    let settings = ShadowSettings { bias: Bias::NONE, map_size: 512, ..renderers::settings() };
+    let settings = ShadowSettings { bias: Bias::NONE, map_size: 512, ..ShadowSettings::default() };
     let hole = Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..Material::white() };
     for (case, scene) in [
         ("nothing above", room(Material::white(), None)),
@@ -132,7 +129,7 @@ fn wrong_texels_are_blamed_on_slivers_where_there_are_any() {
         builder.add_camera("main", camera.expect("the eye is not the target"));
         builder.build().expect("the scene is whole")
     };
-    let settings = ShadowSettings { filter: Filter::Hard, map_size: 64, ..renderers::settings() };
+    let settings = ShadowSettings { filter: Filter::Hard, map_size: 64, ..ShadowSettings::default() };
     // The bound on rounding ends where a triangle's length, squared, over its height is eight times as long as the map: about 64 m here, and so at a height of 1 m.
     for (case, scene, is_blamed) in [
         ("a floor", floor_over(None), false),
@@ -172,7 +169,7 @@ fn a_bias_that_is_too_long_detaches_shadows_by_its_length() {
     const BIAS: f64 = 0.5;
     let scene = builtin::fence();
     let bias = Bias::constant(BIAS as f32);
-    let settings = ShadowSettings { bias, filter: Filter::Hard, map_size: 4096, ..renderers::settings() };
+    let settings = ShadowSettings { bias, filter: Filter::Hard, map_size: 4096, ..ShadowSettings::default() };
     let judgement = judged(&scene, &settings);
     let [texel_x, texel_y] = plan(&scene, &settings).views[0].texel_metres.map(f64::from);
     // Half a texel on either side is what a lookup can be off; along the light the floor stretches it by sqrt(2).
@@ -200,7 +197,7 @@ fn a_bias_that_is_too_long_detaches_shadows_by_its_length() {
 fn what_resolution_leaves_lies_beside_the_outline() {
     let scene = builtin::box_on_plane();
     for (filter, cause, reach) in [(Filter::Hard, Cause::Aliasing, 0.5), (Filter::Bilinear, Cause::Filter, 1.0)] {
-        let settings = ShadowSettings { filter, map_size: 256, ..renderers::settings() };
+        let settings = ShadowSettings { filter, map_size: 256, ..ShadowSettings::default() };
         let judgement = judged(&scene, &settings);
         let [texel_x, texel_y] = plan(&scene, &settings).views[0].texel_metres.map(f64::from);
         let mut wrong = 0;
@@ -226,7 +223,7 @@ fn a_penumbra_is_an_error_and_no_cause() {
     let mut light = scene.lights()[0].clone();
     light.shape = LightShape::Disc { angular_diameter: 0.3 };
     let soft = scene.clone().with_lights(vec![light]);
-    let settings = ShadowSettings { map_size: 4096, ..renderers::settings() };
+    let settings = ShadowSettings { map_size: 4096, ..ShadowSettings::default() };
     let (hard, soft) = (judged(&scene, &settings).total(), judged(&soft, &settings).total());
     assert_eq!(hard.causes, soft.causes);
     assert!(soft.rmse() > 4.0 * hard.rmse() && hard.rmse() > 0.0, "{} and {}", hard.rmse(), soft.rmse());
@@ -240,7 +237,7 @@ fn rules_are_judged_as_the_frames_that_follow_them() {
     let judge = judge(&tracer);
     let three_js = ENGINES.iter().find(|engine| engine.name == "three.js").expect("it is among the engines").directional;
     for (rule, bias) in [(Rule::Automatic { scale: 1.0 }, Bias::Automatic), (three_js, Bias::NONE)] {
-        let plan_of = |bias| plan(&scene, &ShadowSettings { map_size: 512, bias, ..renderers::settings() });
+        let plan_of = |bias| plan(&scene, &ShadowSettings { map_size: 512, bias, ..ShadowSettings::default() });
         let by_frame = judge.judge(&plan_of(bias), &frame(&scene, &plan_of(bias))).expect("the frame is of the judge's view");
         // Rules are asked under one plan, that of the automatic bias.
         let plan = plan_of(Bias::Automatic);
@@ -321,7 +318,7 @@ fn transpose(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
 /// Judges the still life with a fault in it.
 fn with(fault: &Fault) -> Judgement {
     let scene = still_life();
-    let settings = ShadowSettings { map_size: 1024, ..renderers::settings() };
+    let settings = ShadowSettings { map_size: 1024, ..ShadowSettings::default() };
     let tracer = Tracer::new(&scene, 0).expect("threads start");
     let judge = judge(&tracer);
     let mut faulty_plan = plan(&scene, &settings);
@@ -447,7 +444,7 @@ fn frames_of_another_view_are_refused() {
     let scene = builtin::box_on_plane();
     let tracer = Tracer::new(&scene, 0).expect("threads start");
     let judge = judge(&tracer);
-    let plan = plan(&scene, &ShadowSettings { map_size: 64, ..renderers::settings() });
+    let plan = plan(&scene, &ShadowSettings { map_size: 64, ..ShadowSettings::default() });
     let sound = frame(&scene, &plan);
     let mut missing = sound.clone();
     missing.layers.retain(|layer| layer.name != SUN);
@@ -468,7 +465,7 @@ fn frames_of_another_view_are_refused() {
 #[test]
 fn shadows_stand_still_while_the_camera_moves() {
     let scene = still_life();
-    let settings = ShadowSettings { map_size: 512, ..renderers::settings() };
+    let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
     let moved = |camera: Camera, lights: &[SceneLight]| {
         let scene = scene.clone().with_lights(lights.to_vec());
         let plan = FramePlan::new(&scene, &camera, &settings, WIDTH, HEIGHT, None).expect("the scene can be planned");

@@ -22,8 +22,8 @@ use shadow_math::{
         turn::{DITHER, TURNS},
     },
     material::{
-        DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP,
-        WRAP_MIRROR, WRAP_REPEAT,
+        ALPHA_STEP, DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData,
+        WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
         BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
@@ -321,6 +321,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         WRAP_CLAMP,
         WRAP_MIRROR,
         DECODE_TABLE_LEN,
+        ALPHA_STEP,
         INVERSE_PI,
         SPECULAR_REFLECTANCE,
         SPECULAR_SCALE,

@@ -6,7 +6,7 @@ use shadow_scene::{
     Frame, FramePlan, FramePlanError, Image, Material, Request, Scene, SceneBuilder, SceneLight, builtin::shapes,
     compare::Contract,
 };
-use shadow_tests::renderers::{self, contract, cpu};
+use shadow_tests::renderers::{self, contract, counterpart};
 
 /// How wide half of the picture is on the floor, in metres: the tangent of the cone's angle at one metre of height.
 const HALF: f32 = 1.0;
@@ -42,7 +42,7 @@ fn frames(scene: &Scene) -> [Frame; 2] {
         projection: Projection::Orthographic { half_height: 2.0, near: 1.0, far: 20.0 },
     };
     let plan = FramePlan::new(scene, &camera, &ShadowSettings::default(), 200, 200, Some(5.0)).expect("it can be planned");
-    let on_cpu = cpu().render(&cpu().prepare(scene), &plan, Request::ALL).expect("it can be rendered").frame;
+    let on_cpu = counterpart().render(&counterpart().prepare(scene), &plan, Request::ALL).expect("it can be rendered").frame;
     let uploaded = pollster::block_on(renderers::gpu().upload(scene)).expect("it fits");
     [on_cpu, pollster::block_on(renderers::gpu().render(&uploaded, &plan, Request::ALL)).expect("it fits").frame]
 }

@@ -9,7 +9,6 @@ use std::{
 
 use serde_json::Value;
 use shadow_gpu::DriverRules;
-use shadow_scene::compare::Contract;
 use shadow_tests::renderers;
 
 /// The program, built once in the profile of the tests.
@@ -122,7 +121,8 @@ fn both_backends_draw_the_same_picture() {
     let (cpu, gpu) = (folder.picture("cpu.png"), folder.picture("gpu.png"));
     let steps = |(a, b): (&u8, &u8)| a.abs_diff(*b);
     let far_apart = cpu.as_raw().iter().zip(gpu.as_raw()).map(steps).filter(|&steps| steps > 1).count();
-    let allowed = if renderers::gpu().adapter().rules == DriverRules::Lavapipe22 { 0 } else { cpu.as_raw().len() / 1000 };
+    // By itself the CPU backend follows its default rules, whatever adapter there is: where that has others, outlines differ.
+    let allowed = if renderers::gpu().adapter().rules == DriverRules::Lavapipe22 { 0 } else { cpu.as_raw().len() / 200 };
     assert!(far_apart <= allowed, "{far_apart} channels differ");
 }
 
@@ -131,7 +131,7 @@ fn compare_reports_every_layer() {
     let folder = Folder::new("compare");
     let report = folder.json(&["compare", "--size", "160x90", "--map-size", "256", "--output", "layers", "--json"]);
     assert_eq!(report["agree"], true);
-    let is_exact = renderers::gpu().adapter().rules == DriverRules::Lavapipe22;
+    let is_exact = renderers::gpu().adapter().rules.are_complete();
     assert_eq!(report["contract"], if is_exact { "exact" } else { "tolerance" });
     let layers = report["layers"].as_array().expect("there are layers");
     let names: Vec<_> = layers.iter().filter_map(|layer| layer["name"].as_str()).collect();
@@ -287,8 +287,8 @@ fn tune_certifies_the_automatic_bias() {
         assert!(page.contains("<svg") && page.contains("Filament") && !page.contains("http"));
         report["lights"].clone()
     });
-    // On a driver whose rules are known the maps are the same to the bit, and with them everything that is asked of them.
-    if renderers::contract() == Contract::Exact {
+    // On a driver that has the CPU backend's default rules the maps are the same to the bit, and with them everything that is asked of them.
+    if renderers::gpu().adapter().rules == DriverRules::Lavapipe22 {
         assert_eq!(reports[0], reports[1]);
     }
     let alone = ["tune", "--size", "32x18", "--light", "spot:pos=0,50,0;dir=0,1,0;outer=30;cd=1", "--output", "away.json"];

@@ -72,7 +72,7 @@ fn every_store_holds_what_rays_meet() {
         let scene = lit_by(&demo, name, light);
         let tracer = Tracer::new(&scene, 0).expect("threads start");
         for store in Store::ALL {
-            let plan = plan_of(&scene, ShadowSettings { store, map_size: MAP, ..renderers::settings() });
+            let plan = plan_of(&scene, ShadowSettings { store, map_size: MAP, ..ShadowSettings::default() });
             let maps = maps_of(&scene, &plan);
             // Of a cube the face that looks down.
             let index = if plan.views.len() > 1 { 3 } else { 0 };
@@ -113,7 +113,7 @@ fn largest_error(store: Store) -> f64 {
     };
     let scene = lit_by(&plane, "lamp", light);
     let tracer = Tracer::new(&scene, 0).expect("threads start");
-    let plan = plan_of(&scene, ShadowSettings { store, map_size: MAP, ..renderers::settings() });
+    let plan = plan_of(&scene, ShadowSettings { store, map_size: MAP, ..ShadowSettings::default() });
     let maps = maps_of(&scene, &plan);
     let view = &plan.views[0];
     let [near, far] = view.depth_range.map(f64::from);
@@ -147,7 +147,7 @@ fn pushed(parts: BiasParts, store: Store, light: Light) -> Vec<(f64, f64, f64)> 
     let scene = lit_by(&plane, "light", light);
     let corners = scene.triangles()[0].map(|corner| scene.vertices().positions[corner as usize].as_dvec3());
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let settings = ShadowSettings { bias: Bias::NONE, store, map_size: MAP, ..renderers::settings() };
+    let settings = ShadowSettings { bias: Bias::NONE, store, map_size: MAP, ..ShadowSettings::default() };
     let plain = plan_of(&scene, settings);
     let biased = plan_of(&scene, ShadowSettings { bias: Bias::Parts(parts), ..settings });
     let view = &plain.views[0];
@@ -197,7 +197,7 @@ fn the_caster_shader_of_2006_is_what_was_published() {
         let parts = |is_corrected| BiasParts { ogre_2006: Some(Ogre2006 { metres: 0.02, is_corrected }), ..BiasParts::NONE };
         let scene = lit_by(&plane, "light", light);
         // The depth range goes by what lies in the view, and the view by how far the bias reaches.
-        let view = plan_of(&scene, ShadowSettings { bias: Bias::NONE, map_size: MAP, ..renderers::settings() }).views[0];
+        let view = plan_of(&scene, ShadowSettings { bias: Bias::NONE, map_size: MAP, ..ShadowSettings::default() }).views[0];
         let [near, far] = view.depth_range.map(f64::from);
         let range = far - near;
         for (depth, push, larger) in pushed(parts(false), Store::Depth32, light) {
@@ -235,7 +235,7 @@ fn mixed_texel_conventions_move_shadows_by_half_a_texel() {
     let shadowed = |texels: Texels| {
         // Twice what a hard test needs where texels are: half a texel more each way.
         let bias = Bias::slope(2.5, 0.0);
-        let settings = ShadowSettings { texels, bias, filter: Filter::Hard, map_size: 128, ..renderers::settings() };
+        let settings = ShadowSettings { texels, bias, filter: Filter::Hard, map_size: 128, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &camera, &settings, 640, 360, None).expect("it can be planned");
         let frame = cpu().render(&cpu().prepare(&scene), &plan, Request::ALL).expect("it can be rendered").frame;
         let visibility = frame.floats(LayerName::Visibility { light: 0 }).expect("it was asked for").to_vec();
@@ -271,7 +271,7 @@ fn mixed_texel_conventions_move_shadows_by_half_a_texel() {
 fn second_surfaces_need_no_bias_on_closed_casters() {
     let scene = builtin::by_name("box-on-plane").expect("it is built in");
     let lit = |store: Store, filter: Filter| {
-        let settings = ShadowSettings { store, filter, bias: Bias::NONE, map_size: MAP, ..renderers::settings() };
+        let settings = ShadowSettings { store, filter, bias: Bias::NONE, map_size: MAP, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, 320, 180, None).expect("it can be planned");
         let on_cpu = cpu().render(&cpu().prepare(&scene), &plan, Request::ALL).expect("it can be rendered").frame;
         let uploaded = pollster::block_on(renderers::gpu().upload(&scene)).expect("it fits");

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use shadow_math::{Camera, Light, LightKind, Projection, ShadowSettings, Terminator};
 use shadow_scene::{Frame, FramePlan, LayerName, Material, Request, Scene, SceneBuilder, SceneLight, builtin::shapes};
-use shadow_tests::renderers::{self, cpu};
+use shadow_tests::renderers::{self, counterpart};
 
 /// A coarse sphere with smooth normals, lit from the right.
 fn sphere() -> (Scene, Camera) {
@@ -22,7 +22,7 @@ fn frames(terminator: Terminator) -> [Frame; 2] {
     let (scene, camera) = sphere();
     let settings = ShadowSettings { terminator, map_size: 1024, ..renderers::settings() };
     let plan = FramePlan::new(&scene, &camera, &settings, 400, 400, None).expect("the sphere can be planned");
-    let on_cpu = cpu().render(&cpu().prepare(&scene), &plan, Request::ALL).expect("it can be rendered").frame;
+    let on_cpu = counterpart().render(&counterpart().prepare(&scene), &plan, Request::ALL).expect("it can be rendered").frame;
     let uploaded = pollster::block_on(renderers::gpu().upload(&scene)).expect("it fits");
     [on_cpu, pollster::block_on(renderers::gpu().render(&uploaded, &plan, Request::ALL)).expect("it fits").frame]
 }

@@ -13,7 +13,7 @@ use shadow_math::{
 use shadow_scene::{FramePlan, Material, Scene, SceneBuilder, SceneLight, builtin, builtin::shapes, import};
 use shadow_tests::{
     lights::{lit_by, one_of_each},
-    renderers::{self, cpu, scene_files, scenes},
+    renderers::{cpu, scene_files, scenes},
     report::say,
 };
 
@@ -42,7 +42,7 @@ fn on_trials<T>(
 fn on_a_plane_acne_begins_just_below_the_automatic_bias() {
     let scene = builtin::by_name("tilted-plane").expect("it is built in");
     for filter in [Filter::Hard, Filter::Bilinear] {
-        let settings = ShadowSettings { filter, map_size: 256, ..renderers::settings() };
+        let settings = ShadowSettings { filter, map_size: 256, ..ShadowSettings::default() };
         on_trials(&scene, &settings, (640, 360), |trials, _| {
             let scaled = |scale| Rule::Automatic { scale };
             assert_eq!(trials.try_rule(0, scaled(1.0)).acne(), 0);
@@ -58,7 +58,7 @@ fn on_a_plane_acne_begins_just_below_the_automatic_bias() {
 /// What is wider is wider, and more of a constant leaves less acne.
 #[test]
 fn gaps_grow_and_acne_shrinks_with_the_bias() {
-    let settings = ShadowSettings { map_size: 512, ..renderers::settings() };
+    let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
     on_trials(&builtin::demo(), &settings, (320, 180), |trials, _| {
         // The last reaches back to the light: everything is lit then, which is the widest gap of all.
         let lengths = [0.0, 1e-3, 1e-2, 0.1, 1.0, 1e4];
@@ -142,7 +142,7 @@ fn gaps_are_those_that_a_wall_leaves() {
         let kind = LightKind::Directional { direction: Vec3::new(sine, -cosine, 0.0) };
         let sun = SceneLight::new("sun", Light { kind, color: Vec3::ONE, intensity: 1.0 });
         let scene = unlit.clone().with_lights(vec![sun]);
-        let settings = ShadowSettings { filter: Filter::Hard, map_size: 512, ..renderers::settings() };
+        let settings = ShadowSettings { filter: Filter::Hard, map_size: 512, ..ShadowSettings::default() };
         let plan = FramePlan::new(&scene, &camera, &settings, 64, 36, None).expect("the scene can be planned");
         let maps = cpu().shadow_maps(&cpu().prepare(&scene), &plan);
         let texel = plan.views[0].texel_metres[0].max(plan.views[0].texel_metres[1]);

@@ -84,37 +84,29 @@ impl From<&LayerComparison> for LayerReport {
     }
 }
 
-/// The contract that a comparison on an adapter of these rules is held to. The CPU backend's default rules are lavapipe's.
+/// The contract that a comparison on an adapter of these rules is held to. The CPU backend follows them as far as they are known.
 pub(super) fn contract_for(rules: DriverRules) -> Contract {
-    match rules {
-        DriverRules::Lavapipe22 => Contract::Exact,
-        DriverRules::SwiftShader | DriverRules::Unknown => Contract::Tolerance,
-    }
+    if rules.are_complete() { Contract::Exact } else { Contract::Tolerance }
 }
 
 /// Renders with both backends, compares and reports.
 pub(super) fn run(args: &CompareArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
     let backends = [args.backends.first, args.backends.second];
-    let job = Job::resolve(&args.picture, &args.bias, Place::new(&backends, &args.machine), &console)?;
+    let rules = if backends.contains(&Backend::Gpu) {
+        rules_of(args.machine.adapter.as_deref(), &console)?
+    } else {
+        RasterRules::default()
+    };
+    let place = Place { subpixel_bits: Some(rules.subpixel_bits), ..Place::new(&backends, &args.machine) };
+    let job = Job::resolve(&args.picture, &args.bias, place, &console)?;
     memory::check(&job, Work::Compare(backends))?;
     if let Some(folder) = &args.output {
         make_folder(folder)?;
     }
 
-    // The GPU goes first: what is known of its driver is what the CPU follows.
-    let render = |backend: Backend, rules| backend.render(&job, Request::ALL, &args.machine, rules, &console);
-    let rules_after =
-        |frame: &RenderedFrame| frame.adapter.as_ref().map_or(RasterRules::default(), |adapter| rules_of(adapter.rules));
-    let (first, second) = if args.backends.first == Backend::Gpu {
-        let first = render(args.backends.first, RasterRules::default())?;
-        let second = render(args.backends.second, rules_after(&first))?;
-        (first, second)
-    } else {
-        let second = render(args.backends.second, RasterRules::default())?;
-        let first = render(args.backends.first, rules_after(&second))?;
-        (first, second)
-    };
+    let render = |backend: Backend| backend.render(&job, Request::ALL, &args.machine, rules, &console);
+    let (first, second) = (render(args.backends.first)?, render(args.backends.second)?);
     let adapter = first.adapter.as_ref().or(second.adapter.as_ref());
     let contract = adapter.map_or(Contract::Tolerance, |adapter| contract_for(adapter.rules));
     console.stage("comparing");
@@ -252,6 +244,7 @@ mod tests {
     #[test]
     fn only_known_rules_are_held_to_the_bit() {
         assert_eq!(contract_for(DriverRules::Lavapipe22), Contract::Exact);
+        assert_eq!(contract_for(DriverRules::SwiftShader), Contract::Exact);
         assert_eq!(contract_for(DriverRules::Unknown), Contract::Tolerance);
     }
 }

@@ -1,8 +1,7 @@
 //! Clipping in homogeneous space (Sutherland and Hodgman 1974), in the order and with the arithmetic that the rules demand.
 
 use super::{
-    DepthPlaneRule, RasterRules,
-    setup::{DepthPlane, plane_of},
+    ClipRule, RasterRules,
     transform::{Viewpoint, WindowVertex, outcode},
 };
 use crate::kernel::{MultiplyAdd, Separate};
@@ -51,21 +50,22 @@ fn distance(code: u8, [x, y, z, w]: [f32; 4], side: f32) -> f32 {
     }
 }
 
-/// Clips a triangle against the planes in `codes`, the union of its vertices' outcodes, and passes on the fan of what is left, with the depth plane of all of it where the rules have one.
+/// Clips a triangle against the planes in `codes`, the union of its vertices' outcodes, and passes on the fan of what is left.
 #[inline(always)]
 pub(crate) fn clip_triangle<M: MultiplyAdd>(
     corners: [[f32; 4]; 3],
     codes: u32,
     view: &Viewpoint,
     rules: &RasterRules,
-    mut emit: impl FnMut([WindowVertex; 3], Option<DepthPlane>),
+    mut emit: impl FnMut(WindowVertex, WindowVertex, WindowVertex),
 ) {
     let side = rules.clip_side();
     let mut polygon = Polygon::EMPTY;
     for position in corners {
         polygon.push(ClipVertex { position, is_new: false });
     }
-    for code in [outcode::RIGHT, outcode::LEFT, outcode::TOP, outcode::BOTTOM, outcode::NEAR, outcode::FAR] {
+    let is_near_first = rules.clip == ClipRule::NearFirst;
+    for code in if is_near_first { NEAR_FIRST } else { SIDES_FIRST } {
         if codes & u32::from(code) == 0 {
             continue;
         }
@@ -82,6 +82,7 @@ pub(crate) fn clip_triangle<M: MultiplyAdd>(
                 clipped.push(previous);
             }
             if (previous_distance >= 0.0) != (vertex_distance >= 0.0) {
+                let crossing = if is_near_first { weighted_crossing } else { stepped_crossing };
                 clipped.push(crossing(previous, previous_distance, vertex, vertex_distance));
             }
             previous = vertex;
@@ -92,39 +93,39 @@ pub(crate) fn clip_triangle<M: MultiplyAdd>(
     if polygon.len < 3 {
         return;
     }
-    let scale = rules.subpixel_scale();
+    let grid = rules.grid();
     let window = |vertex: ClipVertex| {
-        if vertex.is_new { view.window::<Separate>(vertex.position, scale) } else { view.window::<M>(vertex.position, scale) }
-    };
-    let plane = match rules.depth_plane {
-        DepthPlaneRule::Unsnapped => None,
-        DepthPlaneRule::Snapped => plane_of_whole(corners, view, rules),
+        if vertex.is_new { view.window::<Separate>(vertex.position, grid) } else { view.window::<M>(vertex.position, grid) }
     };
     let first = window(polygon.vertices[0]);
     let mut previous = window(polygon.vertices[1]);
     for vertex in &polygon.vertices[2..polygon.len] {
         let vertex = window(*vertex);
         if first.has_room() && previous.has_room() && vertex.has_room() {
-            emit([first, previous, vertex], plane);
+            emit(first, previous, vertex);
         }
         previous = vertex;
     }
 }
 
-/// The depth plane through a triangle's own corners in the window, behind the eye or not; none where that has no numbers, as with a corner at the eye.
+/// The order of the planes for [`ClipRule::Viewport`] and [`ClipRule::GuardBand`].
+const SIDES_FIRST: [u8; 6] = [outcode::RIGHT, outcode::LEFT, outcode::TOP, outcode::BOTTOM, outcode::NEAR, outcode::FAR];
+/// The order of the planes for [`ClipRule::NearFirst`].
+const NEAR_FIRST: [u8; 6] = [outcode::NEAR, outcode::FAR, outcode::LEFT, outcode::RIGHT, outcode::TOP, outcode::BOTTOM];
+
+/// The point where an edge crosses a plane, as a sum of its endpoints in which each has the other's distance as its weight.
 #[inline(always)]
-fn plane_of_whole(mut corners: [[f32; 4]; 3], view: &Viewpoint, rules: &RasterRules) -> Option<DepthPlane> {
-    // The plane is evaluated from its first corner: of the farthest one the coordinates are the smallest.
-    let farthest = (1..3).fold(0, |farthest, corner| if corners[corner][3] > corners[farthest][3] { corner } else { farthest });
-    corners.rotate_left(farthest);
-    let [v0, v1, v2] = corners.map(|corner| view.window::<Separate>(corner, rules.subpixel_scale()));
-    let plane = plane_of([&v0, &v1, &v2], rules);
-    (plane.origin.is_finite() && plane.dx.is_finite() && plane.dy.is_finite()).then_some(plane)
+fn weighted_crossing(a: ClipVertex, a_distance: f32, b: ClipVertex, b_distance: f32) -> ClipVertex {
+    let (inner, inner_distance, outer, outer_distance) =
+        if a_distance >= 0.0 { (a, a_distance, b, b_distance) } else { (b, b_distance, a, a_distance) };
+    let scale = 1.0 / (outer_distance - inner_distance);
+    let position = core::array::from_fn(|i| (outer_distance * inner.position[i] - inner_distance * outer.position[i]) * scale);
+    ClipVertex { position, is_new: true }
 }
 
 /// The point where an edge crosses a plane, computed from the endpoint that is nearer to it; between equals from the inner one.
 #[inline(always)]
-fn crossing(a: ClipVertex, a_distance: f32, b: ClipVertex, b_distance: f32) -> ClipVertex {
+fn stepped_crossing(a: ClipVertex, a_distance: f32, b: ClipVertex, b_distance: f32) -> ClipVertex {
     let a_is_inside = a_distance >= 0.0;
     let a_is_nearer = if a_is_inside { a_distance.abs() <= b_distance.abs() } else { a_distance.abs() < b_distance.abs() };
     let (near, near_distance, far, far_distance) =

@@ -5,11 +5,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
-    RasterRules,
+    DepthPlaneRule, RasterRules,
     bins::{Binned, Bins, TILE_SIZE},
     clip::clip_triangle,
+    plane::WholeTriangle,
     sample::{Corner, Part, draw_large, draw_masked, draw_small},
-    setup::{Culling, DepthPlane, Extent, look_at, setup_large, setup_small},
+    setup::{Culling, Extent, look_at, setup_large, setup_small},
     tile::{DepthTile, STRIDE, Tile, VisibilityTile},
     transform::{Positions, Transformed, Viewpoint, WindowVertex},
 };
@@ -235,19 +236,26 @@ impl Kernel for BinKernel<'_> {
                     waiting.flush::<L>(vertices, extent, rules, bins);
                     let codes = corners[lane].map(|corner| vertices.grid(corner).outcode());
                     let codes = codes[0] | codes[1] | codes[2];
-                    let mut emit = |[v0, v1, v2]: [WindowVertex; 3], plane: Option<DepthPlane>| {
-                        if let Some(triangle) = setup_large(id, [&v0, &v1, &v2], plane, culling, extent, rules) {
+                    let in_clip_space = || {
+                        corners[lane].map(|corner| {
+                            let position = positions.get(corner);
+                            view.clip(position.x, position.y, position.z)
+                        })
+                    };
+                    let whole = match rules.depth_plane {
+                        DepthPlaneRule::Unsnapped => None,
+                        DepthPlaneRule::Snapped => Some(WholeTriangle::new::<M>(in_clip_space(), view, rules)),
+                    };
+                    let mut emit = |v0: WindowVertex, v1: WindowVertex, v2: WindowVertex| {
+                        if let Some(triangle) = setup_large(id, [&v0, &v1, &v2], whole.as_ref(), culling, extent, rules) {
                             bins.push_large(triangle);
                         }
                     };
                     if codes == 0 {
-                        emit(corners[lane].map(|corner| vertices.vertex(corner)), None);
+                        let [v0, v1, v2] = corners[lane].map(|corner| vertices.vertex(corner));
+                        emit(v0, v1, v2);
                     } else {
-                        let clip = corners[lane].map(|corner| {
-                            let position = positions.get(corner);
-                            view.clip(position.x, position.y, position.z)
-                        });
-                        clip_triangle::<M>(clip, codes, view, rules, emit);
+                        clip_triangle::<M>(in_clip_space(), codes, view, rules, emit);
                     }
                 }
             }
@@ -295,10 +303,14 @@ pub(super) fn draw_tile<T: Tile, A: AlphaTest>(
 ) {
     let index = tile_y * target.tiles_wide() + tile_x;
     let corner = Corner { left: tile_x * TILE_SIZE, top: tile_y * TILE_SIZE };
-    dispatch(rules.fused, TileKernel { tile, chunks, index, corner, alpha_test });
+    match rules.depth_plane {
+        DepthPlaneRule::Unsnapped => dispatch(rules.fused, TileKernel::<_, _, false> { tile, chunks, index, corner, alpha_test }),
+        DepthPlaneRule::Snapped => dispatch(rules.fused, TileKernel::<_, _, true> { tile, chunks, index, corner, alpha_test }),
+    }
 }
 
-struct TileKernel<'a, T, A> {
+/// `SNAPPED` is for [`DepthPlaneRule::Snapped`].
+struct TileKernel<'a, T, A, const SNAPPED: bool> {
     tile: &'a mut T,
     chunks: &'a [Bins],
     index: usize,
@@ -306,7 +318,7 @@ struct TileKernel<'a, T, A> {
     alpha_test: &'a A,
 }
 
-impl<T: Tile, A: AlphaTest> Kernel for TileKernel<'_, T, A> {
+impl<T: Tile, A: AlphaTest, const SNAPPED: bool> Kernel for TileKernel<'_, T, A, SNAPPED> {
     type Output = ();
 
     #[inline(always)]
@@ -320,13 +332,13 @@ impl<T: Tile, A: AlphaTest> Kernel for TileKernel<'_, T, A> {
                         Binned::Small(triangle) => Part::of_small(triangle, corner),
                         Binned::Large(triangle) => Part::of_large(triangle, corner),
                     };
-                    draw_masked::<L, M, T>(tile, corner, &part, alpha_test);
+                    draw_masked::<L, M, T, SNAPPED>(tile, corner, &part, alpha_test);
                 }
             } else {
                 for triangle in chunk.of_tile(index) {
                     match triangle {
-                        Binned::Small(triangle) => draw_small::<L, M, T>(tile, corner, triangle),
-                        Binned::Large(triangle) => draw_large::<L, M, T>(tile, corner, triangle),
+                        Binned::Small(triangle) => draw_small::<L, M, T, SNAPPED>(tile, corner, triangle),
+                        Binned::Large(triangle) => draw_large::<L, M, T, SNAPPED>(tile, corner, triangle),
                     }
                 }
             }

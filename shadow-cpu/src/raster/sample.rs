@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 use super::{
     bins::TILE_SIZE,
     pass::AlphaTest,
-    setup::{DepthPlane, LargeTriangle, SmallTriangle},
+    plane::{CornerPlane, DepthPlane},
+    setup::{LargeTriangle, SmallTriangle},
     tile::{ROW_BLOCKS, ROW_STEP, STRIDE, Tile},
 };
 use crate::kernel::{
@@ -20,6 +21,7 @@ const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 pub(crate) struct Part {
     id: u32,
     plane: DepthPlane,
+    corner_plane: CornerPlane,
     columns: RangeInclusive<usize>,
     rows: RangeInclusive<usize>,
     /// The edge values at the box's first pixel, and their changes: minus `a` a pixel, plus `b` a row.
@@ -51,7 +53,8 @@ impl Part {
         for edge in 0..3 {
             start[edge] += b[edge] * down - a[edge] * right;
         }
-        Self { id: triangle.id, plane: triangle.plane, columns: x0..=x1, rows: y0..=y1, start, a, b }
+        let corner_plane = CornerPlane::default();
+        Self { id: triangle.id, plane: triangle.plane, corner_plane, columns: x0..=x1, rows: y0..=y1, start, a, b }
     }
 
     /// The part of a triangle of any size whose box touches the tile.
@@ -69,7 +72,8 @@ impl Part {
             let value = triangle.c[edge] - i64::from(a[edge]) * first_x + i64::from(b[edge]) * first_y;
             start[edge] = value.clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32;
         }
-        Self { id: triangle.id, plane: triangle.plane, columns: x0..=x1, rows: y0..=y1, start, a, b }
+        let LargeTriangle { id, plane, corner_plane, .. } = *triangle;
+        Self { id, plane, corner_plane, columns: x0..=x1, rows: y0..=y1, start, a, b }
     }
 }
 
@@ -77,25 +81,39 @@ impl Part {
 /// still fit 32 bits. Only the values behind the last column and row, which nobody looks at, can wrap.
 const EDGE_LIMIT: i64 = (1 << 30) - 1;
 
-/// The depths of a vector's pixels, in two steps: what is the same in all rows, and the rest.
-struct Depths<L: Lanes> {
+/// The depths of a vector's pixels, in two steps: what is the same in all rows, and the rest. `SNAPPED` says which of the part's planes it is.
+struct Depths<L: Lanes, const SNAPPED: bool> {
     along_row: L::F,
     dy: L::F,
+    /// The row and the depth that the rest is counted from.
+    y0: f32,
+    z0: L::F,
 }
 
-impl<L: Lanes> Depths<L> {
+impl<L: Lanes, const SNAPPED: bool> Depths<L, SNAPPED> {
     /// For pixels in columns `x`, counted from the target's left.
     #[inline(always)]
-    fn new<M: MultiplyAdd>(plane: &DepthPlane, x: L::I) -> Self {
+    fn new<M: MultiplyAdd>(part: &Part, x: L::I) -> Self {
+        if SNAPPED {
+            let CornerPlane { x0, y0, z0, dx, dy } = part.corner_plane;
+            let along_row = (x.to_floats() - L::F::splat(x0)) * L::F::splat(dx);
+            return Self { along_row, dy: L::F::splat(dy), y0, z0: L::F::splat(z0) };
+        }
+        let plane = part.plane;
         let along_row = M::multiply_add_lanes(L::F::splat(plane.dx), x.to_floats(), L::F::splat(plane.origin));
-        Self { along_row, dy: L::F::splat(plane.dy) }
+        Self { along_row, dy: L::F::splat(plane.dy), y0: 0.0, z0: L::F::splat(0.0) }
     }
 
     /// Limited to depths that there are. A sliver that has an area on the grid may have none in f32, and its plane is then not a number; drivers
     /// that limit it with a minimum first, as this does, have a depth of 1 there.
     #[inline(always)]
     fn in_row<M: MultiplyAdd>(&self, y: f32) -> L::F {
-        M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row).min(L::F::splat(1.0)).max(L::F::splat(0.0))
+        let z = if SNAPPED {
+            (self.z0 + L::F::splat(y - self.y0) * self.dy) + self.along_row
+        } else {
+            M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row)
+        };
+        z.min(L::F::splat(1.0)).max(L::F::splat(0.0))
     }
 }
 
@@ -117,31 +135,39 @@ fn edge_lanes<L: Lanes>(start: [i32; 3], a: [i32; 3]) -> [L::I; 3] {
 
 /// Draws a small triangle.
 #[inline(always)]
-pub(crate) fn draw_small<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, triangle: &SmallTriangle) {
-    draw_columns::<L, M, T>(tile, corner, &Part::of_small(triangle, corner));
+pub(crate) fn draw_small<L: Lanes, M: MultiplyAdd, T: Tile, const SNAPPED: bool>(
+    tile: &mut T,
+    corner: Corner,
+    triangle: &SmallTriangle,
+) {
+    draw_columns::<L, M, T, SNAPPED>(tile, corner, &Part::of_small(triangle, corner));
 }
 
 /// Draws a triangle of any size.
 #[inline(always)]
-pub(crate) fn draw_large<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, triangle: &LargeTriangle) {
+pub(crate) fn draw_large<L: Lanes, M: MultiplyAdd, T: Tile, const SNAPPED: bool>(
+    tile: &mut T,
+    corner: Corner,
+    triangle: &LargeTriangle,
+) {
     let part = Part::of_large(triangle, corner);
     let (columns, rows) = (part.columns.end() - part.columns.start(), part.rows.end() - part.rows.start());
     if columns < LANES || rows < LANES {
-        draw_columns::<L, M, T>(tile, corner, &part);
+        draw_columns::<L, M, T, SNAPPED>(tile, corner, &part);
     } else {
-        draw_blocks::<L, M, T>(tile, corner, &part);
+        draw_blocks::<L, M, T, SNAPPED>(tile, corner, &part);
     }
 }
 
 /// Draws by vectors that begin at the box's first column, and [`ROW_STEP`] rows at a time: most triangles are one vector wide and one step high,
 /// and then nothing is left for the processor to guess. Rows below the box are outside the edges, or in the padding.
 #[inline(always)]
-fn draw_columns<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, part: &Part) {
+fn draw_columns<L: Lanes, M: MultiplyAdd, T: Tile, const SNAPPED: bool>(tile: &mut T, corner: Corner, part: &Part) {
     let (first_row, last_row) = (*part.rows.start(), *part.rows.end());
     let (mut x, last_x) = (*part.columns.start(), *part.columns.end());
     let mut start = part.start;
     loop {
-        let depths = Depths::<L>::new::<M>(&part.plane, columns::<L>(corner, x));
+        let depths = Depths::<L, SNAPPED>::new::<M>(part, columns::<L>(corner, x));
         let mut edges = edge_lanes::<L>(start, part.a);
         let mut row = first_row;
         loop {
@@ -170,7 +196,7 @@ fn draw_columns<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner,
 
 /// Draws block by block: whole rows of blocks are tested at once for being outside, inside or hidden.
 #[inline(always)]
-fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, part: &Part) {
+fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile, const SNAPPED: bool>(tile: &mut T, corner: Corner, part: &Part) {
     /// From the first to the last pixel of a block.
     const ACROSS: i32 = LANES as i32 - 1;
     let (first_column, last_column) = (*part.columns.start() as i32, *part.columns.end() as i32);
@@ -184,8 +210,9 @@ fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, 
 
     // The nearest corner of a block, where its depth is compared, is the same one for all.
     let nearest = |slope: f32| if (slope > 0.0) == T::SMALLER_IS_NEARER { 0 } else { ACROSS };
-    let nearest_x = L::I::splat(corner.left as i32 + nearest(part.plane.dx)) + block_columns * L::I::splat(LANES as i32);
-    let near_depths = Depths::<L>::new::<M>(&part.plane, nearest_x);
+    let (dx, dy) = if SNAPPED { (part.corner_plane.dx, part.corner_plane.dy) } else { (part.plane.dx, part.plane.dy) };
+    let nearest_x = L::I::splat(corner.left as i32 + nearest(dx)) + block_columns * L::I::splat(LANES as i32);
+    let near_depths = Depths::<L, SNAPPED>::new::<M>(part, nearest_x);
 
     for block_row in first_block_row..=last_block_row {
         let top_row = block_row * LANES;
@@ -203,7 +230,7 @@ fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, 
             outside = outside | (at_corner + L::I::splat(most.wrapping_mul(ACROSS)));
             partial = partial | (at_corner + L::I::splat(least.wrapping_mul(ACROSS)));
         }
-        let near_y = (corner.top + top_row) as i32 + nearest(part.plane.dy);
+        let near_y = (corner.top + top_row) as i32 + nearest(dy);
         let near = near_depths.in_row::<M>(near_y as f32);
         let may_be_seen = T::before::<L>(near, L::F::load(tile.farthest(block_row)));
         let mut blocks = in_box & !outside.negative_bits() & may_be_seen.negative_bits();
@@ -211,7 +238,7 @@ fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, 
         while blocks != 0 {
             let block = blocks.trailing_zeros() as usize;
             blocks &= blocks - 1;
-            let depths = Depths::<L>::new::<M>(&part.plane, columns::<L>(corner, block * LANES));
+            let depths = Depths::<L, SNAPPED>::new::<M>(part, columns::<L>(corner, block * LANES));
             let mut farthest = L::F::splat(if T::SMALLER_IS_NEARER { 0.0 } else { 1.0 });
             if partial >> block & 1 == 0 {
                 for row in top_row..top_row + LANES {
@@ -243,7 +270,7 @@ fn draw_blocks<L: Lanes, M: MultiplyAdd, T: Tile>(tile: &mut T, corner: Corner, 
 
 /// Draws an alpha-tested triangle: samples that would be seen are asked for one by one.
 #[inline(always)]
-pub(crate) fn draw_masked<L: Lanes, M: MultiplyAdd, T: Tile>(
+pub(crate) fn draw_masked<L: Lanes, M: MultiplyAdd, T: Tile, const SNAPPED: bool>(
     tile: &mut T,
     corner: Corner,
     part: &Part,
@@ -251,7 +278,7 @@ pub(crate) fn draw_masked<L: Lanes, M: MultiplyAdd, T: Tile>(
 ) {
     let mut start = part.start;
     for x in part.columns.clone().step_by(LANES) {
-        let depths = Depths::<L>::new::<M>(&part.plane, columns::<L>(corner, x));
+        let depths = Depths::<L, SNAPPED>::new::<M>(part, columns::<L>(corner, x));
         let mut edges = edge_lanes::<L>(start, part.a);
         // Lanes beyond the tile belong to the next one.
         let in_tile = (1_u32 << LANES.min(TILE_SIZE - x)) - 1;

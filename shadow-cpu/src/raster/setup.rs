@@ -4,10 +4,9 @@
 //! eight of them at a time from the rest, and [`setup_small`] sets eight of those up that are left, in 32-bit numbers.
 //! Large and clipped ones take their time in [`setup_large`].
 
-use std::ops::{Add, Div, Mul, Sub};
-
 use super::{
     DepthPlaneRule, RasterRules,
+    plane::{CornerPlane, DepthPlane, WholeTriangle},
     transform::{OUTCODE_BITS, Transformed, WindowVertex},
 };
 use crate::kernel::{
@@ -69,30 +68,8 @@ pub(crate) struct LargeTriangle {
     pub(crate) b: [i32; 3],
     pub(crate) c: [i64; 3],
     pub(crate) plane: DepthPlane,
-}
-
-/// Depth as a function of the pixel: `origin + dx x + dy y` at its centre. Of one triangle, or of eight.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct DepthPlane<F = f32> {
-    pub(crate) origin: F,
-    pub(crate) dx: F,
-    pub(crate) dy: F,
-}
-
-impl<F: Copy + Add<Output = F> + Sub<Output = F> + Mul<Output = F> + Div<Output = F>> DepthPlane<F> {
-    /// The plane through three points of the window: x and y in pixels, z as depth. `one` and `half` are those of `F`.
-    #[inline(always)]
-    fn through([p0, p1, p2]: [[F; 3]; 3], one: F, half: F) -> Self {
-        let (dx01, dy01) = (p0[0] - p1[0], p0[1] - p1[1]);
-        let (dx20, dy20) = (p2[0] - p0[0], p2[1] - p0[1]);
-        let inverse_area = one / (dx01 * dy20 - dy01 * dx20);
-        let dz01 = p0[2] - p1[2];
-        let dz20 = p2[2] - p0[2];
-        let dx = dz01 * (dy20 * inverse_area) - dz20 * (dy01 * inverse_area);
-        let dy = dz20 * (dx01 * inverse_area) - dz01 * (dx20 * inverse_area);
-        let origin = p0[2] - (dx * (p0[0] - half) + dy * (p0[1] - half));
-        Self { origin, dx, dy }
-    }
+    /// In its place where the rules have it.
+    pub(crate) corner_plane: CornerPlane,
 }
 
 /// Which triangles are left out by the way that they face.
@@ -185,7 +162,9 @@ pub(crate) fn look_at<L: Lanes>(
     let (min_x, max_x) = pixels_of(low_x, high_x, bits, extent.width);
     let (min_y, max_y) = pixels_of(low_y, high_y, bits, extent.height);
     let misses = min_x.greater(max_x) | min_y.greater(max_y);
-    let limit = L::I::splat((SMALL_PIXELS - 1) << bits);
+    // A small triangle has no room for a plane from one of its corners on.
+    let longest = if rules.depth_plane == DepthPlaneRule::Snapped { 0 } else { (SMALL_PIXELS - 1) << bits };
+    let limit = L::I::splat(longest);
     let is_small = limit.greater(high_x - low_x) & limit.greater(high_y - low_y);
     // Wraps where the triangle is not small.
     let area = area_of(x, y);
@@ -237,14 +216,6 @@ pub(crate) fn setup_small<L: Lanes>(
         let (first, second) = (points[1][axis], points[2][axis]);
         points[1][axis] = swaps.select_negative(second, first);
         points[2][axis] = swaps.select_negative(first, second);
-    }
-    if rules.depth_plane == DepthPlaneRule::Snapped {
-        let inverse_scale = L::F::splat(1.0 / rules.subpixel_scale());
-        for corner in 0..3 {
-            // The scale is a power of two: its inverse is exact.
-            points[corner][0] = x[corner].to_floats() * inverse_scale + L::F::splat(0.5);
-            points[corner][1] = y[corner].to_floats() * inverse_scale + L::F::splat(0.5);
-        }
     }
 
     let (low_x, high_x) = range_of(x);
@@ -315,29 +286,12 @@ pub(crate) fn setup_small<L: Lanes>(
     }
 }
 
-/// A vertex of the depth plane where it goes through the grid.
-#[inline(always)]
-fn snapped(grid_x: i32, grid_y: i32, z: f32, rules: &RasterRules) -> [f32; 3] {
-    [grid_x as f32 / rules.subpixel_scale() + 0.5, grid_y as f32 / rules.subpixel_scale() + 0.5, z]
-}
-
-/// The depth plane of a triangle with these corners, by the rules.
-#[inline(always)]
-pub(crate) fn plane_of(corners: [&WindowVertex; 3], rules: &RasterRules) -> DepthPlane {
-    let points = corners.map(|v| match rules.depth_plane {
-        DepthPlaneRule::Unsnapped => [v.x, v.y, v.z],
-        DepthPlaneRule::Snapped => snapped(v.grid_x, v.grid_y, v.z, rules),
-    });
-    DepthPlane::through(points, 1.0, 0.5)
-}
-
-/// Sets a triangle of any size up; `None` if it covers no sample, has no area on the grid, or is culled. `plane` is its depth plane where that is not the one through its
-/// corners.
+/// Sets a triangle of any size up; `None` if it covers no sample, has no area on the grid, or is culled. `whole` is the triangle that it is of, where the rules ask for that.
 #[inline(always)]
 pub(crate) fn setup_large(
     id: u32,
     [v0, v1, v2]: [&WindowVertex; 3],
-    plane: Option<DepthPlane>,
+    whole: Option<&WholeTriangle>,
     culling: Culling,
     extent: Extent,
     rules: &RasterRules,
@@ -354,7 +308,14 @@ pub(crate) fn setup_large(
 
     let area = i64::from(v0.grid_x - v1.grid_x) * i64::from(v2.grid_y - v0.grid_y)
         - i64::from(v2.grid_x - v0.grid_x) * i64::from(v0.grid_y - v1.grid_y);
-    if area == 0 || (area < 0 && culling == Culling::Back) || (area > 0 && culling == Culling::Front) {
+    let (is_turned, is_culled) = match whole {
+        None => (false, (area < 0 && culling == Culling::Back) || (area > 0 && culling == Culling::Front)),
+        Some(WholeTriangle { area: whole, plane }) => (
+            (*whole > 0.0) != (area > 0) || !plane.has_numbers(),
+            (*whole < 0.0 && culling == Culling::Back) || (*whole >= 0.0 && culling == Culling::Front),
+        ),
+    };
+    if area == 0 || is_turned || is_culled {
         return None;
     }
     let (v1, v2) = if area < 0 { (v2, v1) } else { (v1, v2) };
@@ -378,6 +339,7 @@ pub(crate) fn setup_large(
         a,
         b,
         c,
-        plane: plane.unwrap_or_else(|| plane_of([v0, v1, v2], rules)),
+        plane: DepthPlane::through([v0, v1, v2].map(|v| [v.x, v.y, v.z]), 1.0, 0.5),
+        corner_plane: whole.map_or(CornerPlane::default(), |whole| whole.plane),
     })
 }

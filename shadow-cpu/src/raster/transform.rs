@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{ClipRule, RasterRules, pass::MAX_TARGET_SIZE};
+use super::{ClipRule, RasterRules, SnapRule, pass::MAX_TARGET_SIZE};
 use crate::kernel::{
     Kernel, LANES, MultiplyAdd, dispatch,
     lanes::{Floats, Ints, Lanes},
@@ -110,28 +110,46 @@ impl Viewpoint {
     /// Clip space to the window. A vertex that the vertex shader made goes through fused multiply-adds where the rules have them; one
     /// that clipping made passes `Separate`.
     #[inline(always)]
-    pub(crate) fn window<M: MultiplyAdd>(&self, clip: [f32; 4], subpixel_scale: f32) -> WindowVertex {
+    pub(crate) fn window<M: MultiplyAdd>(&self, clip: [f32; 4], grid: Grid) -> WindowVertex {
         let half_width = 0.5 * self.width as f32;
         let half_height = 0.5 * self.height as f32;
         let inverse_w = 1.0 / clip[3];
-        let x = M::multiply_add(clip[0] * inverse_w, half_width, half_width);
-        let y = M::multiply_add(clip[1] * inverse_w, -half_height, half_height);
-        WindowVertex {
-            x,
-            y,
-            z: clip[2] * inverse_w,
-            grid_x: ((x - 0.5) * subpixel_scale).round_ties_even() as i32,
-            grid_y: ((y - 0.5) * subpixel_scale).round_ties_even() as i32,
-        }
+        let (ndc_x, ndc_y) = (clip[0] * inverse_w, clip[1] * inverse_w);
+        let x = M::multiply_add(ndc_x, half_width, half_width);
+        let y = M::multiply_add(ndc_y, -half_height, half_height);
+        let Grid { scale, snap } = grid;
+        let steps = match snap {
+            SnapRule::FromPixels => [(x - 0.5) * scale, (y - 0.5) * scale],
+            SnapRule::AtOnce => [
+                M::multiply_add(ndc_x, half_width * scale, (half_width - 0.5) * scale),
+                M::multiply_add(ndc_y, -half_height * scale, (half_height - 0.5) * scale),
+            ],
+        };
+        let [grid_x, grid_y] = steps.map(|steps| steps.round_ties_even() as i32);
+        WindowVertex { x, y, z: clip[2] * inverse_w, grid_x, grid_y }
     }
 }
 
+/// The sub-pixel grid, and how vertices get onto it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    /// Steps per pixel.
+    scale: f32,
+    snap: SnapRule,
+}
+
 impl RasterRules {
+    /// The grid.
+    #[inline(always)]
+    pub(crate) fn grid(&self) -> Grid {
+        Grid { scale: self.subpixel_scale(), snap: self.snap }
+    }
+
     /// The sides of the clip volume, as a multiple of w.
     #[inline(always)]
     pub(crate) fn clip_side(&self) -> f32 {
         match self.clip {
-            ClipRule::Viewport => 1.0,
+            ClipRule::Viewport | ClipRule::NearFirst => 1.0,
             ClipRule::GuardBand => ClipRule::GUARD_BAND,
         }
     }
@@ -229,12 +247,12 @@ impl Kernel for TransformKernel<'_> {
     #[inline(always)]
     fn run<L: Lanes, M: MultiplyAdd>(self) {
         let side = self.rules.clip_side();
-        let scale = self.rules.subpixel_scale();
+        let grid_of_target = self.rules.grid();
         let positions = self.positions;
         let vectors = positions.x[self.first..].iter().zip(&positions.y[self.first..]).zip(&positions.z[self.first..]);
         for ((grid, window), ((x, y), z)) in self.grid.iter_mut().zip(self.window).zip(vectors) {
             let position = [L::F::load(x), L::F::load(y), L::F::load(z)];
-            let (pairs, rows) = transform_lanes::<L, M>(self.view, position, side, scale);
+            let (pairs, rows) = transform_lanes::<L, M>(self.view, position, side, grid_of_target);
             for lane in 0..LANES {
                 grid[lane] = GridVertex(pairs[lane]);
             }
@@ -267,19 +285,13 @@ fn outcodes<L: Lanes>([x, y, z, w]: [L::F; 4], side: f32) -> L::I {
     planes | bit_outside::<L>(is_outside | has_place, outcode::ALL)
 }
 
-/// Coordinates in pixels as steps of the sub-pixel grid from the first pixel's centre.
-#[inline(always)]
-fn on_grid<L: Lanes>(x: L::F, subpixel_scale: f32) -> L::I {
-    ((x - L::F::splat(0.5)) * L::F::splat(subpixel_scale)).round()
-}
-
 /// Eight vertices on the grid, as [`GridVertex`], and in the window: [`Viewpoint::clip`] and [`Viewpoint::window`] in vectors.
 #[inline(always)]
 fn transform_lanes<L: Lanes, M: MultiplyAdd>(
     view: &Viewpoint,
     [x, y, z]: [L::F; 3],
     side: f32,
-    subpixel_scale: f32,
+    grid: Grid,
 ) -> ([i64; LANES], [[f32; 4]; LANES]) {
     let mut clip = [L::F::splat(0.0); 4];
     for (clip, row) in clip.iter_mut().zip(&view.rows) {
@@ -288,13 +300,23 @@ fn transform_lanes<L: Lanes, M: MultiplyAdd>(
     let [x, y, z, w] = clip;
     let outcode = outcodes::<L>(clip, side);
 
-    let half_width = L::F::splat(0.5 * view.width as f32);
-    let half_height = L::F::splat(0.5 * view.height as f32);
+    let half_width = 0.5 * view.width as f32;
+    let half_height = 0.5 * view.height as f32;
     let inverse_w = L::F::splat(1.0) / w;
-    let x = M::multiply_add_lanes(x * inverse_w, half_width, half_width);
-    let y = M::multiply_add_lanes(y * inverse_w, L::F::splat(-0.5 * view.height as f32), half_height);
-    let pairs =
-        L::I::pairs([on_grid::<L>(x, subpixel_scale).shift_left(OUTCODE_BITS) | outcode, on_grid::<L>(y, subpixel_scale)]);
+    let (ndc_x, ndc_y) = (x * inverse_w, y * inverse_w);
+    let place = |ndc: L::F, half: f32, middle: f32| M::multiply_add_lanes(ndc, L::F::splat(half), L::F::splat(middle));
+    let x = place(ndc_x, half_width, half_width);
+    let y = place(ndc_y, -half_height, half_height);
+    let Grid { scale, snap } = grid;
+    let steps = match snap {
+        SnapRule::FromPixels => [x, y].map(|pixels| (pixels - L::F::splat(0.5)) * L::F::splat(scale)),
+        SnapRule::AtOnce => [
+            place(ndc_x, half_width * scale, (half_width - 0.5) * scale),
+            place(ndc_y, -half_height * scale, (half_height - 0.5) * scale),
+        ],
+    };
+    let [grid_x, grid_y] = steps.map(|steps| steps.round());
+    let pairs = L::I::pairs([grid_x.shift_left(OUTCODE_BITS) | outcode, grid_y]);
     (pairs, L::F::rows([x, y, z * inverse_w, L::F::splat(0.0)]))
 }
 
@@ -306,17 +328,17 @@ mod tests {
     use crate::kernel::{Fused, Separate, lanes::Portable};
 
     /// What eight vertices become in vectors, and each by itself.
-    fn check<M: MultiplyAdd>(view: &Viewpoint, points: [[f32; LANES]; 3], side: f32) {
-        const SCALE: f32 = 256.0;
+    fn check<M: MultiplyAdd>(view: &Viewpoint, points: [[f32; LANES]; 3], side: f32, snap: SnapRule) {
+        let grid = Grid { scale: 256.0, snap };
         let lanes = points.map(|coordinates| <Portable as Lanes>::F::load(&coordinates));
-        let (pairs, rows) = transform_lanes::<Portable, M>(view, lanes, side, SCALE);
+        let (pairs, rows) = transform_lanes::<Portable, M>(view, lanes, side, grid);
         for lane in 0..LANES {
             let [x, y, z] = points.map(|coordinates| coordinates[lane]);
-            let vertex = view.window::<M>(view.clip(x, y, z), SCALE);
-            let grid = GridVertex(pairs[lane]);
-            if grid.outcode() == 0 {
+            let vertex = view.window::<M>(view.clip(x, y, z), grid);
+            let on_grid = GridVertex(pairs[lane]);
+            if on_grid.outcode() == 0 {
                 assert_eq!(rows[lane], [vertex.x, vertex.y, vertex.z, 0.0]);
-                assert_eq!((grid.x(), grid.y()), (vertex.grid_x, vertex.grid_y));
+                assert_eq!((on_grid.x(), on_grid.y()), (vertex.grid_x, vertex.grid_y));
             }
         }
     }
@@ -331,8 +353,10 @@ mod tests {
             side in prop::sample::select(vec![1.0, ClipRule::GUARD_BAND]),
         ) {
             let view = Viewpoint { rows, width: size.0, height: size.1 };
-            check::<Fused>(&view, points, side);
-            check::<Separate>(&view, points, side);
+            for snap in [SnapRule::FromPixels, SnapRule::AtOnce] {
+                check::<Fused>(&view, points, side, snap);
+                check::<Separate>(&view, points, side, snap);
+            }
         }
     }
 }

@@ -7,6 +7,7 @@ const WRAP_REPEAT: u32 = 0u;
 const WRAP_CLAMP: u32 = 1u;
 const WRAP_MIRROR: u32 = 2u;
 const DECODE_TABLE_LEN: u32 = 256u;
+const ALPHA_STEP: f32 = 0.003921568859368563;
 const MAX_TEXEL_COORDINATE: f32 = 8388608.0;
 
 struct TextureData {
@@ -54,7 +55,7 @@ fn decode_texel(texel: u32) -> vec4f {
     let r = decoded(texel & 0xffu);
     let g = decoded(texel >> 8u & 0xffu);
     let b = decoded(texel >> 16u & 0xffu);
-    let a = f32(texel >> 24u) / 255.0;
+    let a = f32(texel >> 24u) * ALPHA_STEP;
     return vec4f(r, g, b, a);
 }
 

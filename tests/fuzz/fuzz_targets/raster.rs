@@ -10,8 +10,8 @@ use arbitrary::Arbitrary;
 use glam::Vec3;
 use libfuzzer_sys::fuzz_target;
 use shadow_cpu::raster::{
-    AlphaTest, ClipRule, Culling, DepthPlaneRule, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth,
-    rasterize_visibility,
+    AlphaTest, ClipRule, Culling, DepthPlaneRule, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, SnapRule, Target,
+    rasterize_depth, rasterize_visibility,
 };
 use shadow_scene::NO_TRIANGLE;
 
@@ -35,8 +35,9 @@ struct Input {
     is_masked: [bool; 2],
     alpha: u32,
     subpixel_bits: u8,
+    is_snapped_at_once: bool,
     is_snapped: bool,
-    has_guard_band: bool,
+    clip: u8,
     is_fused: bool,
 }
 
@@ -156,8 +157,9 @@ fuzz_target!(|input: Input| {
         target: Target { clip_rows: clip_rows(&input.matrix), width, height },
         rules: RasterRules {
             subpixel_bits: 4 + u32::from(input.subpixel_bits) % 5,
+            snap: if input.is_snapped_at_once { SnapRule::AtOnce } else { SnapRule::FromPixels },
             depth_plane: if input.is_snapped { DepthPlaneRule::Snapped } else { DepthPlaneRule::Unsnapped },
-            clip: if input.has_guard_band { ClipRule::GuardBand } else { ClipRule::Viewport },
+            clip: [ClipRule::Viewport, ClipRule::NearFirst, ClipRule::GuardBand][usize::from(input.clip) % 3],
             fused: input.is_fused,
         },
         holes: Holes(input.alpha),

@@ -52,8 +52,8 @@ fn of_raster(found: &RasterFindings, warnings: &mut Vec<String>) {
         && *bits != usual.subpixel_bits
     {
         warnings.push(format!(
-            "corners are snapped to 1/{} pixel, and to 1/{} by the CPU renderer's default rules: the two renderers' maps differ at edges, and \
-             `shadow compare` must leave those pixels out",
+            "corners are snapped to 1/{} pixel, and to 1/{} by the CPU renderer's default rules: pictures of both backends differ at \
+             edges, but for `shadow compare`, which follows the adapter",
             1_u64 << bits,
             1_u64 << usual.subpixel_bits
         ));
@@ -84,8 +84,8 @@ fn of_plane(found: &PlaneRules, raster: &RasterFindings, planned_bits: u32, warn
     let usual = RasterRules::default().depth_plane;
     if holds(&found.plane, |plane| (*plane == DepthPlane::Snapped) != (usual == DepthPlaneRule::Snapped)) {
         warnings.push(
-            "depth planes do not go through the corners that the CPU renderer's default rules have: the two renderers' depths differ by up to \
-             a sub-pixel step times the slope"
+            "depth planes do not go through the corners that the CPU renderer's default rules have: their depths differ by up to a \
+             sub-pixel step times the slope, but for `shadow compare`, which follows the adapter"
                 .into(),
         );
     }
