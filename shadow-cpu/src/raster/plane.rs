@@ -92,14 +92,6 @@ impl CornerPlane {
     }
 }
 
-impl CornerPlane {
-    /// Whether the plane has depths: that of a triangle without an area on the grid has none, and such triangles are not drawn.
-    #[inline(always)]
-    pub(super) fn has_numbers(&self) -> bool {
-        self.dx.is_finite() && self.dy.is_finite() && self.z0.is_finite()
-    }
-}
-
 /// A triangle from another corner on: by one if the second has the least of something, and by two more if the third has.
 #[inline(always)]
 fn turned_to_least(mut corners: [[f32; 4]; 3], value: impl Fn([f32; 4]) -> f32) -> [[f32; 4]; 3] {

@@ -104,16 +104,16 @@ impl<L: Lanes, const SNAPPED: bool> Depths<L, SNAPPED> {
         Self { along_row, dy: L::F::splat(plane.dy), y0: 0.0, z0: L::F::splat(0.0) }
     }
 
-    /// Limited to depths that there are. A sliver that has an area on the grid may have none in f32, and its plane is then not a number; drivers
-    /// that limit it with a minimum first, as this does, have a depth of 1 there.
+    /// Limited to depths that there are. A sliver that has an area on the grid may have none in f32, or before it is clipped, and its plane is then not a number; drivers
+    /// that limit it with a minimum first have a depth of 1 there, and those that begin with a maximum one of 0.
     #[inline(always)]
     fn in_row<M: MultiplyAdd>(&self, y: f32) -> L::F {
-        let z = if SNAPPED {
-            (self.z0 + L::F::splat(y - self.y0) * self.dy) + self.along_row
-        } else {
-            M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row)
-        };
-        z.min(L::F::splat(1.0)).max(L::F::splat(0.0))
+        let (least, most) = (L::F::splat(0.0), L::F::splat(1.0));
+        if SNAPPED {
+            let z = (self.z0 + L::F::splat(y - self.y0) * self.dy) + self.along_row;
+            return z.max(least).min(most);
+        }
+        M::multiply_add_lanes(self.dy, L::F::splat(y), self.along_row).min(most).max(least)
     }
 }
 

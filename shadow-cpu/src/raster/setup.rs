@@ -310,8 +310,8 @@ pub(crate) fn setup_large(
         - i64::from(v2.grid_x - v0.grid_x) * i64::from(v0.grid_y - v1.grid_y);
     let (is_turned, is_culled) = match whole {
         None => (false, (area < 0 && culling == Culling::Back) || (area > 0 && culling == Culling::Front)),
-        Some(WholeTriangle { area: whole, plane }) => (
-            (*whole > 0.0) != (area > 0) || !plane.has_numbers(),
+        Some(WholeTriangle { area: whole, .. }) => (
+            (*whole > 0.0) != (area > 0),
             (*whole < 0.0 && culling == Culling::Back) || (*whole >= 0.0 && culling == Culling::Front),
         ),
     };
