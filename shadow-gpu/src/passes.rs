@@ -55,7 +55,7 @@ pub(crate) fn full_screen_pass<'a>(
     background: Option<wgpu::Color>,
     camera_depth: &wgpu::Texture,
 ) -> wgpu::RenderPass<'a> {
-    let depth = camera_depth.create_view(&wgpu::TextureViewDescriptor::default());
+    let depth = layer_view(camera_depth, 0);
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -19,7 +19,7 @@ use crate::{
     error::GpuError,
     limits::LimitCheck,
     passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
-    pipelines::{DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
+    pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
     shelf::{Kept, Shelf},
     wait::submitted_work,
 };
@@ -97,6 +97,12 @@ impl GpuRenderer {
         ];
         for (flag, what) in needed {
             if !flags.contains(flag) {
+                return Err(GpuError::Unsupported { adapter: summary.name, what });
+            }
+        }
+        for format in [VISIBILITY_FORMAT, COLOR_FORMAT] {
+            if !adapter.get_texture_format_features(format).allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+                let what = "drawing into textures of single precision (where that is Mesa's OpenGL, the variable MESA_EXTENSION_OVERRIDE=+GL_ARB_color_buffer_float says that it can)";
                 return Err(GpuError::Unsupported { adapter: summary.name, what });
             }
         }
@@ -256,13 +262,21 @@ impl GpuRenderer {
         self.textures.take(fits, || self.texture(label, [width, height, layers], format, usage))
     }
 
+    /// How many layers a texture must have that is read as an array of so many.
+    ///
+    /// wgpu makes OpenGL textures of one layer no arrays, and square ones of six or a multiple cubes: such have one layer more, which nobody looks at.
+    fn array_layers(&self, count: u32) -> u32 {
+        let is_no_array = count == 1 || count.is_multiple_of(6);
+        if self.summary.backend == wgpu::Backend::Gl.to_str() && is_no_array { count + 1 } else { count }
+    }
+
     /// Brings shadow maps that were made elsewhere into the GPU's memory: one layer of `size * size` depths a view.
     ///
     /// # Errors
     ///
     /// [`GpuError::Driver`].
     pub async fn upload_maps(&self, size: u32, layers: &[impl AsRef<[f32]>]) -> Result<GpuMaps, GpuError> {
-        let count = (layers.len() as u32).max(1);
+        let count = self.array_layers((layers.len() as u32).max(1));
         let format = wgpu::TextureFormat::R32Float;
         let texture = self.kept_texture("uploaded shadow maps", [size, size, count], format, wgpu::TextureUsages::COPY_DST);
         for (layer, depths) in (0..).zip(layers) {
@@ -289,16 +303,16 @@ impl GpuRenderer {
     /// [`GpuError::Limit`] if the picture does not fit, [`GpuError::Driver`].
     pub async fn camera(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuCameraBuffer, GpuError> {
         self.limit_check(&self.limits()).frame(plan)?;
-        let size = [plan.camera.width, plan.camera.height, 1];
+        let (width, height) = (plan.camera.width, plan.camera.height);
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let ids = self.kept_texture("triangles seen", size, ID_FORMAT, usage);
-        let depth = self.kept_texture("camera depth", size, DEPTH_FORMAT, usage);
+        let ids = self.kept_texture("triangles seen", [width, height, 1], ID_FORMAT, usage);
+        let depth = self.kept_texture("camera depth", [width, height, self.array_layers(1)], DEPTH_FORMAT, usage);
         let buffers = self.plan_buffers(plan);
         let camera = self.bind("camera", &self.pipelines.layouts.camera, &[buffers.camera.as_entire_binding()]);
         let mut encoder = self.encoder("camera");
         {
             let ids_view = ids.create_view(&wgpu::TextureViewDescriptor::default());
-            let depth_view = depth.create_view(&wgpu::TextureViewDescriptor::default());
+            let depth_view = layer_view(&depth, 0);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("camera"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -343,7 +357,7 @@ impl GpuRenderer {
         maps: &GpuMaps,
     ) -> Result<GpuVisibility, GpuError> {
         self.limit_check(&self.limits()).frame(plan)?;
-        let size = [plan.camera.width, plan.camera.height, (plan.lights.len() as u32).max(1)];
+        let size = [plan.camera.width, plan.camera.height, self.array_layers((plan.lights.len() as u32).max(1))];
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let texture = self.kept_texture("visibility", size, VISIBILITY_FORMAT, usage);
         let alignment = u64::from(self.limits().min_uniform_buffer_offset_alignment);

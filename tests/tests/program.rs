@@ -25,6 +25,9 @@ pub(crate) fn program() -> &'static Path {
         if is_release {
             build.arg("--release");
         }
+        if cfg!(feature = "gles") {
+            build.args(["--features", "gles"]);
+        }
         assert!(build.status().expect("cargo runs").success(), "the program builds");
         profile.join(format!("shadow{}", env::consts::EXE_SUFFIX))
     })

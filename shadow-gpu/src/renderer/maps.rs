@@ -26,7 +26,7 @@ impl GpuRenderer {
     /// [`GpuError::Limit`] if they do not fit, [`GpuError::Driver`].
     pub async fn shadow_maps(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuMaps, GpuError> {
         self.limit_check(&self.limits()).frame(plan)?;
-        let layers = (plan.views.len() as u32).max(1);
+        let layers = self.array_layers((plan.views.len() as u32).max(1));
         let texture = self.map_texture("shadow maps", plan.map_size, layers);
         let buffers = self.plan_buffers(plan);
         let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);

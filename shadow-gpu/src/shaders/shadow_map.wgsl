@@ -30,8 +30,8 @@ fn opaque_back_fragment(@builtin(front_facing) is_front: bool) {
 
 struct MaskedVertex {
     @builtin(position) clip: vec4f,
-    @location(0) @interpolate(flat, first) triangle: u32,
-    @location(1) @interpolate(flat, first) view: u32,
+    @location(0) @interpolate(flat, either) triangle: u32,
+    @location(1) @interpolate(flat, either) view: u32,
 }
 
 @vertex
@@ -64,9 +64,9 @@ override TAKES_BACK_FACES: bool = false;
 
 struct StoredVertex {
     @builtin(position) clip: vec4f,
-    @location(0) @interpolate(flat, first) triangle: u32,
-    @location(1) @interpolate(flat, first) view: u32,
-    @location(2) @interpolate(flat, first) offset: f32,
+    @location(0) @interpolate(flat, either) triangle: u32,
+    @location(1) @interpolate(flat, either) view: u32,
+    @location(2) @interpolate(flat, either) offset: f32,
 }
 
 @vertex
