@@ -5,6 +5,7 @@ use shadow_cpu::{
     measure::{Cause, Judge},
     trace::{CameraView, Sampling, Tracer},
 };
+use shadow_gpu::GpuError;
 use shadow_math::{Composition, ShadowSettings, plan::COMPOSE_UNSHADOWED, settings::OGRE_SHADOW_COLOR, srgb::linear_to_srgb};
 use shadow_scene::{
     Frame, FramePlan, FramePlanError, LayerName, LightPasses, Request, Scene, SceneLight, builtin, compare::Contract,
@@ -12,6 +13,7 @@ use shadow_scene::{
 use shadow_tests::{
     lights::one_of_each,
     renderers::{self, contract, counterpart},
+    report::say,
 };
 
 const SIZE: (u32, u32) = (240, 135);
@@ -49,6 +51,15 @@ fn difference(a: &Frame, b: &Frame) -> f32 {
 #[test]
 fn many_passes_are_one_pass() {
     let scene = demo();
+    if !renderers::gpu().device().features().contains(wgpu::Features::FLOAT32_BLENDABLE) {
+        let plan = plan_of(&scene, Composition::Additive, LightPasses::Each);
+        let uploaded = pollster::block_on(renderers::gpu().upload(&scene)).expect("it fits");
+        let refused =
+            pollster::block_on(renderers::gpu().render(&uploaded, &plan, Request::ALL)).map(|_| ()).expect_err("it cannot blend");
+        assert!(matches!(&refused, GpuError::Unsupported { what, .. } if what.contains("blending")), "{refused}");
+        say("many_passes_are_one_pass: the adapter cannot add up passes, and says so");
+        return;
+    }
     for composition in [Composition::Additive, Composition::Modulative(OGRE_SHADOW_COLOR)] {
         let one = frames(&scene, &plan_of(&scene, composition, LightPasses::One));
         let each = frames(&scene, &plan_of(&scene, composition, LightPasses::Each));

@@ -2,7 +2,12 @@
 
 use glam::{DVec3, Vec4};
 use shadow_math::{
-    filter::taps::{for_each_test_place, for_each_weighted_tap},
+    depth::{DEPTH_LINEAR, comparable_depth},
+    filter::{
+        stored_gradient, tap_depth,
+        taps::{for_each_test_place, for_each_weighted_tap},
+    },
+    plan::{BIAS_RECEIVER_GRADIENT, ViewPlan},
     srgb::encode_pixel,
     vector::row_times_point,
     visibility::{NO_VIEW, lookup},
@@ -10,7 +15,7 @@ use shadow_math::{
 
 use super::{CompareError, Comparison, Contract, LayerComparison, LeftOut, tolerance};
 use crate::{
-    frame::{Frame, Layer, LayerName, NO_TRIANGLE, Pixels},
+    frame::{Frame, FrameMaps, Layer, LayerName, NO_TRIANGLE, Pixels},
     frame_plan::FramePlan,
     scene::Scene,
 };
@@ -160,7 +165,7 @@ impl Judge<'_> {
             (Pixels::Float(values_a), Pixels::Float(values_b)) => match a.name {
                 LayerName::Visibility { light } => self.visibility(a, b, light, values_a, values_b),
                 LayerName::Depth => self.depth(a, b, values_a, values_b),
-                _ => Ok(Self::map(a, b, values_a, values_b)),
+                _ => Ok(self.map(a, b, values_a, values_b)),
             },
             (Pixels::Rgba(colors_a), Pixels::Rgba(colors_b)) => self.color(a, b, colors_a, colors_b),
             _ => Err(CompareError::Values { name: a.name }),
@@ -238,20 +243,27 @@ impl Judge<'_> {
     }
 
     /// Depths of a map agree but at a few texels, whose coverage is taken to differ.
-    fn map(a: &Layer, b: &Layer, values_a: &[f32], values_b: &[f32]) -> LayerComparison {
+    fn map(&self, a: &Layer, b: &Layer, values_a: &[f32], values_b: &[f32]) -> LayerComparison {
+        let view = self.view_of(a.name);
         let mut tally = Tally::default();
         for i in 0..values_a.len() {
             let difference = distance(values_a[i], values_b[i]);
             if difference == f64::INFINITY {
                 tally.violations += 1;
                 tally.max_difference = difference;
-            } else if difference > depth_tolerance(values_a, values_b, a.width, i) {
+            } else if difference > map_tolerance(view, values_a, values_b, a.width, i) {
                 tally.left_out.map_coverage += 1;
             } else {
                 tally.max_difference = tally.max_difference.max(difference);
             }
         }
         tally.finish(a, b, tolerance::coverage_allowance(values_a.len()))
+    }
+
+    /// The view that a map is of.
+    fn view_of(&self, name: LayerName) -> Option<&ViewPlan> {
+        let LayerName::ShadowMap { light, view } = name else { return None };
+        self.plan.views.get((self.plan.lights.get(light as usize)?.first_view + view) as usize)
     }
 
     fn visibility(
@@ -310,15 +322,22 @@ impl Judge<'_> {
         let inside = |v: i32| v >= 0 && v < size as i32;
         let mut taps = Vec::new();
         for_each_weighted_tap(plan, &found, |tap| taps.push(tap));
+        // The bias that is read off the maps may differ with them.
+        let read_off = |frame| {
+            let maps = FrameMaps::of(frame, self.plan).filter(|_| plan.bias & BIAS_RECEIVER_GRADIENT != 0);
+            maps.map_or(0.0, |maps| f64::from(stored_gradient(&maps, view, plan, found.texel)))
+        };
+        let (bias_a, bias_b) = (read_off(self.first), read_off(self.second));
         let mut tie = false;
         for tap in taps.iter().filter(|tap| inside(tap.x) && inside(tap.y)) {
             let index = tap.y as usize * size as usize + tap.x as usize;
-            let allowed = depth_tolerance(map_a, map_b, size, index);
+            let allowed = map_tolerance(Some(view), map_a, map_b, size, index);
             if distance(map_a[index], map_b[index]) > allowed {
                 return Ok(Some(Excuse::MapCoverage));
             }
-            let margin = f64::from(found.depth) - f64::from(found.bias) - f64::from(map_a[index]);
-            tie |= margin.abs() <= allowed;
+            let compared = f64::from(tap_depth(plan, view, &found, tap.x, tap.y)) - f64::from(found.bias) - bias_a;
+            let margin = compared - f64::from(comparable_depth(view, map_a[index]));
+            tie |= margin.abs() <= allowed + (bias_a - bias_b).abs();
         }
         let w = row_times_point(view.clip_w, receiver.point);
         let reach = tolerance::TEXEL_BORDER.max(view.rounding_texels[0] + view.rounding_texels[1] / w);
@@ -346,8 +365,11 @@ impl Judge<'_> {
                 tally.max_difference = tally.max_difference.max(difference);
             } else if ids_a[i] != ids_b[i] && difference.is_finite() {
                 tally.left_out.camera_coverage += 1;
-            } else if self.is_left_out(&visibilities, ids_a[i], i, a.width)? && difference.is_finite() {
+            } else if let Some(excuse) =
+                self.excuse_of_light(&visibilities, ids_a[i], i, a.width)?.filter(|_| difference.is_finite())
+            {
                 tally.left_out.tie += 1;
+                tally.ties_without_bias += usize::from(matches!(excuse, Excuse::Tie { bias_is_below_rounding: true }));
             } else {
                 tally.violations += 1;
                 tally.max_difference = tally.max_difference.max(difference);
@@ -357,21 +379,21 @@ impl Judge<'_> {
         Ok(tally.finish(a, b, tolerance::left_out_allowance(colors_a.len()) * visibilities.len().max(1)))
     }
 
-    /// Whether the comparison of some light's visibility leaves a pixel out.
-    fn is_left_out(
+    /// Why the comparison of some light's visibility leaves a pixel out, if one does.
+    fn excuse_of_light(
         &self,
         visibilities: &[(&[f32], &[f32])],
         triangle: u32,
         pixel: usize,
         width: u32,
-    ) -> Result<bool, CompareError> {
+    ) -> Result<Option<Excuse>, CompareError> {
         for (light, (a, b)) in (0..).zip(visibilities) {
             let differs = distance(a[pixel], b[pixel]) > f64::from(tolerance::VISIBILITY);
-            if differs && self.excuse(light, triangle, pixel as u32 % width, pixel as u32 / width)?.is_some() {
-                return Ok(true);
+            if differs && let Some(excuse) = self.excuse(light, triangle, pixel as u32 % width, pixel as u32 / width)? {
+                return Ok(Some(excuse));
             }
         }
-        Ok(false)
+        Ok(None)
     }
 }
 
@@ -379,6 +401,22 @@ impl Judge<'_> {
 fn depth_tolerance(first: &[f32], second: &[f32], width: u32, index: usize) -> f64 {
     let slope = slope_at(first, width, index).max(slope_at(second, width, index));
     tolerance::DEPTH + tolerance::SUBPIXEL_STEP * slope
+}
+
+/// The same for what a map of a view holds: whole numbers can be a step apart, and linear depth is off by as much more than the reversed depth that it is made of as it changes faster, which is by `w^2 / (near far)`.
+fn map_tolerance(view: Option<&ViewPlan>, first: &[f32], second: &[f32], width: u32, index: usize) -> f64 {
+    let allowed = depth_tolerance(first, second, width, index);
+    let Some(view) = view else { return allowed };
+    let mut more = 0.0;
+    if view.depth_steps > 0.0 {
+        more += 1.0 / f64::from(view.depth_steps);
+    }
+    if view.depth_kind == DEPTH_LINEAR {
+        let [near, far] = view.depth_range.map(f64::from);
+        let w = near + (far - near) * f64::from(first[index].max(second[index]).clamp(0.0, 1.0));
+        more += tolerance::DEPTH * (w * w / (near * far)).max(1.0);
+    }
+    allowed + more
 }
 
 /// The slope of the surface at a pixel, in depth per pixel: on each axis the smaller difference to a neighbour, since the larger one can be the
