@@ -1,7 +1,7 @@
 //! Buffers and their contents.
 
 use bytemuck::Pod;
-use shadow_math::material::DECODE_TABLE_LEN;
+use shadow_math::material::{ALPHA_TABLE, DECODE_TABLE_LEN};
 use shadow_math::{
     material::MaterialData,
     plan::{LightPlan, ViewPlan},
@@ -129,5 +129,6 @@ pub(crate) fn word_table(surfaces: Surfaces) -> Vec<u32> {
 
 /// The decode table as a uniform array has it: elements 16 bytes apart.
 pub(crate) fn decode_array(surfaces: &Surfaces) -> Vec<[u32; 4]> {
-    surfaces.words[..DECODE_TABLE_LEN as usize].iter().map(|&word| [word, 0, 0, 0]).collect()
+    let (colors, alphas) = surfaces.words[..DECODE_TABLE_LEN as usize].split_at(ALPHA_TABLE as usize);
+    colors.iter().zip(alphas).map(|(&color, &alpha)| [color, alpha, 0, 0]).collect()
 }

@@ -20,7 +20,9 @@ pub const WRAP_CLAMP: u32 = 1;
 pub const WRAP_MIRROR: u32 = 2;
 
 /// The number of entries of the table that begins the texel buffer: see [`crate::srgb::decode_table`].
-pub const DECODE_TABLE_LEN: u32 = 256;
+pub const DECODE_TABLE_LEN: u32 = 512;
+/// Where in it the values of alpha begin.
+pub const ALPHA_TABLE: u32 = 256;
 
 /// A texture as both renderers read it: where its texels lie in the texel buffer, and how it wraps.
 #[repr(C)]
@@ -87,9 +89,6 @@ pub fn wrap_texel(index: i32, size: i32, wrap: u32) -> i32 {
     wrapped
 }
 
-/// One of 255 steps of alpha. A factor, since some shader compilers make one of a division by a constant; 255 of them are 1 exactly.
-pub const ALPHA_STEP: f32 = 1.0 / 255.0;
-
 /// One texel, decoded: linear colour and alpha. `words` begins with the decode table.
 #[inline(always)]
 #[must_use]
@@ -97,7 +96,7 @@ pub fn decode_texel(words: &[u32], texel: u32) -> Vec4 {
     let r = f32::from_bits(words[(texel & 0xff) as usize]);
     let g = f32::from_bits(words[(texel >> 8 & 0xff) as usize]);
     let b = f32::from_bits(words[(texel >> 16 & 0xff) as usize]);
-    let a = (texel >> 24) as f32 * ALPHA_STEP;
+    let a = f32::from_bits(words[(ALPHA_TABLE + (texel >> 24)) as usize]);
     Vec4::new(r, g, b, a)
 }
 
@@ -175,15 +174,15 @@ pub fn base_color(material: &MaterialData, words: &[u32], uv: Vec2, vertex_color
 mod tests {
     use super::*;
 
-    fn checker(wrap: u32) -> ([u32; 260], TextureData) {
+    fn checker(wrap: u32) -> ([u32; 516], TextureData) {
         // The identity as a decode table: a byte of 255 is 1.0, one of 0 is 0.0.
-        let mut words = [0; 260];
-        for (byte, word) in words.iter_mut().take(256).enumerate() {
-            *word = (byte as f32 / 255.0).to_bits();
+        let mut words = [0; 516];
+        for (index, word) in words.iter_mut().take(512).enumerate() {
+            *word = ((index % 256) as f32 / 255.0).to_bits();
         }
-        words[256] = 0xffff_ffff;
-        words[259] = 0xffff_ffff;
-        (words, TextureData { first_word: 256, width: 2, height: 2, wrap_u: wrap, wrap_v: wrap })
+        words[512] = 0xffff_ffff;
+        words[515] = 0xffff_ffff;
+        (words, TextureData { first_word: DECODE_TABLE_LEN, width: 2, height: 2, wrap_u: wrap, wrap_v: wrap })
     }
 
     #[test]

@@ -27,12 +27,16 @@ pub fn encode_pixel(color: Vec4) -> [u8; 4] {
     [channel(color.x), channel(color.y), channel(color.z), 255]
 }
 
-/// The linear value of each 8-bit sRGB value.
+/// The linear value of each 8-bit sRGB value, and after these 256 that of each 8-bit alpha, which is its share of 255.
 ///
-/// Both renderers read this table, which begins their texel buffer, so that no power is computed per texel.
+/// Both renderers read this table, which begins their texel buffer, so that no power is computed per texel, and no quotient by a constant, of which some
+/// shader compilers make a product.
 #[must_use]
-pub fn decode_table() -> [f32; 256] {
-    core::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32)
+pub fn decode_table() -> [f32; 512] {
+    core::array::from_fn(|index| {
+        let share = (index % 256) as f64 / 255.0;
+        (if index < 256 { srgb_to_linear(share) } else { share }) as f32
+    })
 }
 
 /// Decodes one sRGB channel from 0 to 1.
@@ -49,7 +53,7 @@ mod tests {
 
     #[test]
     fn every_byte_survives_decoding_and_encoding() {
-        for (byte, linear) in decode_table().into_iter().enumerate() {
+        for (byte, linear) in decode_table().into_iter().take(256).enumerate() {
             assert_eq!(usize::from(encode_pixel(Vec4::splat(linear))[0]), byte);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! The tests themselves are in `tests/` beside it, one file a topic, joined into one program.
 
-pub mod known;
+mod known;
 pub mod lights;
 pub mod mirror;
 pub mod renderers;

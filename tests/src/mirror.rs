@@ -91,6 +91,7 @@ pub fn evaluate(
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return depths[(layer * MAP_SIZE + y) * MAP_SIZE + x]; }}
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}
+        fn decoded_alpha(byte: u32) -> f32 {{ return bitcast<f32>(words[ALPHA_TABLE + byte]); }}
         fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
         fn input(index: u32) -> f32 {{ return inputs[invocation * {inputs_each}u + index]; }}
         fn input3(index: u32) -> vec3f {{ return vec3f(input(index), input(index + 1u), input(index + 2u)); }}

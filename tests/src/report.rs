@@ -9,6 +9,8 @@ use std::{
 use shadow_math::srgb::encode_pixel;
 use shadow_scene::{Frame, Layer, NO_TRIANGLE, Pixels, compare::Comparison};
 
+use crate::known::beyond_known;
+
 /// Where reports go: a folder that is not under version control.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../failures")
@@ -33,12 +35,14 @@ pub fn assert_agreement(case: &str, comparison: &Comparison, expected: &Frame, a
 }
 
 /// What there is to say if two frames do not agree: a line for every layer that does not, with the paths of a report on it. Layers are in the
-/// order of the stages, so the first is where to look.
+/// order of the stages, so the first is where to look. What is [known](crate::known) of the adapter is nothing to say.
 #[must_use]
 pub fn disagreement(case: &str, comparison: &Comparison, expected: &Frame, actual: &Frame) -> Option<String> {
-    if comparison.agree() {
-        return None;
-    }
+    let text = (!comparison.agree()).then(|| text_of(case, comparison, expected, actual));
+    beyond_known(case, text)
+}
+
+fn text_of(case: &str, comparison: &Comparison, expected: &Frame, actual: &Frame) -> String {
     let mut lines = Vec::new();
     for layer in comparison.layers.iter().filter(|layer| !layer.within_contract) {
         // File systems have names of 255 bytes, of which the endings take some.
@@ -63,7 +67,7 @@ pub fn disagreement(case: &str, comparison: &Comparison, expected: &Frame, actua
             layer.name, layer.differing, layer.violations
         ));
     }
-    Some(format!("{case}: the frames disagree\n{}", lines.join("\n")))
+    format!("{case}: the frames disagree\n{}", lines.join("\n"))
 }
 
 fn write(

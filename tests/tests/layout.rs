@@ -22,7 +22,7 @@ use shadow_math::{
         turn::{DITHER, TURNS},
     },
     material::{
-        ALPHA_STEP, DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData,
+        ALPHA_TABLE, DECODE_TABLE_LEN, FLAG_DOUBLE_SIDED, FLAG_MASK, MAX_TEXEL_COORDINATE, MaterialData, NO_TEXTURE, TextureData,
         WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
     },
     plan::{
@@ -321,7 +321,7 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         WRAP_CLAMP,
         WRAP_MIRROR,
         DECODE_TABLE_LEN,
-        ALPHA_STEP,
+        ALPHA_TABLE,
         INVERSE_PI,
         SPECULAR_REFLECTANCE,
         SPECULAR_SCALE,
@@ -356,6 +356,7 @@ fn mirrors_source() -> String {
         @group(0) @binding(3) var<storage, read> words: array<u32>;
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}
+        fn decoded_alpha(byte: u32) -> f32 {{ return bitcast<f32>(words[ALPHA_TABLE + byte]); }}
         fn fetch_material(material: u32) -> MaterialData {{ return materials[material]; }}
         fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
         fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}

@@ -926,8 +926,8 @@ const TABLE: &[Mirror] = &[
             random.groups(&edges, |random| [random.below(65_536) as f32, random.below(65_536) as f32])
         },
         twin: |world, i| numbers(decode_texel(&world.globals.words, (i[0] as u32) << 16 | i[1] as u32).to_array()),
-        bound: 3,
-        reason: "a table, and a product for alpha",
+        bound: 0,
+        reason: "a table",
     },
     Mirror {
         file: "material",

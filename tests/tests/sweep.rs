@@ -9,14 +9,13 @@ use std::{
 };
 
 use shadow_cpu::{CpuRenderer, PreparedScene};
-use shadow_gpu::{DriverRules, GpuScene};
+use shadow_gpu::GpuScene;
 use shadow_math::{
     Bias, Filter, ShadowSettings, Store,
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
 };
 use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
 use shadow_tests::{
-    known::{self, KnownIssue},
     lights::one_of_each,
     renderers::{self, contract, is_full, scene_files, scenes},
     report::{disagreement, say},
@@ -204,14 +203,6 @@ fn differing_bytes(case: &str, threads: usize, one: &Frame, many: &Frame) -> Str
     lines
 }
 
-/// What drivers are known to do otherwise.
-const KNOWN: [KnownIssue; 1] = [KnownIssue {
-    driver: DriverRules::SwiftShader,
-    case: "carbon_sphere/carbon_sphere.glb point hard ",
-    figures: &["depth24", "shadow-map:0:4: 1 pixels differ"],
-    reason: "where a shader writes depth, a triangle that has an area after clipping, and none on the grid before it, is drawn at the depth of no plane",
-}];
-
 /// What a panic said.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let owned = panic.downcast_ref::<String>().map(String::as_str);
@@ -248,7 +239,5 @@ fn every_scene_agrees() {
         failures.len(),
         start.elapsed().as_secs_f64()
     ));
-    // What is known is known of small pictures.
-    let failures = if is_full() { failures } else { known::beyond(&KNOWN, &failures) };
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }

@@ -6,8 +6,8 @@ const FLAG_DOUBLE_SIDED: u32 = 2u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_CLAMP: u32 = 1u;
 const WRAP_MIRROR: u32 = 2u;
-const DECODE_TABLE_LEN: u32 = 256u;
-const ALPHA_STEP: f32 = 0.003921568859368563;
+const DECODE_TABLE_LEN: u32 = 512u;
+const ALPHA_TABLE: u32 = 256u;
 const MAX_TEXEL_COORDINATE: f32 = 8388608.0;
 
 struct TextureData {
@@ -55,7 +55,7 @@ fn decode_texel(texel: u32) -> vec4f {
     let r = decoded(texel & 0xffu);
     let g = decoded(texel >> 8u & 0xffu);
     let b = decoded(texel >> 16u & 0xffu);
-    let a = f32(texel >> 24u) * ALPHA_STEP;
+    let a = decoded_alpha(texel >> 24u);
     return vec4f(r, g, b, a);
 }
 

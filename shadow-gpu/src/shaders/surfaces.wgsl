@@ -4,7 +4,7 @@
 @group(1) @binding(0) var materials: texture_2d<u32>;
 // A texel a word.
 @group(1) @binding(1) var words: texture_2d<u32>;
-// The decode table, which is small enough to be uniform; only x means something, since elements of a uniform array are 16 bytes apart.
+// The decode table, which is small enough to be uniform: of each byte its value as a color and as alpha. The rest means nothing, since elements of a uniform array are 16 bytes apart.
 @group(1) @binding(2) var<uniform> decode_table: array<vec4f, 256>;
 
 fn fetch_word(index: u32) -> u32 {
@@ -13,6 +13,10 @@ fn fetch_word(index: u32) -> u32 {
 
 fn decoded(byte: u32) -> f32 {
     return decode_table[byte].x;
+}
+
+fn decoded_alpha(byte: u32) -> f32 {
+    return decode_table[byte].y;
 }
 
 fn fetch_material(material: u32) -> MaterialData {
