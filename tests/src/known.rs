@@ -6,7 +6,7 @@ use crate::renderers::{gpu, is_full};
 /// A comparison that is known to fail.
 #[derive(Clone, Copy, Debug)]
 struct KnownIssue {
-    /// How the case's name begins.
+    /// The case's name; with a space at its end, how it begins.
     case: &'static str,
     /// What the failure says: the layer, and how many of its pixels differ.
     figure: &'static str,
@@ -22,24 +22,22 @@ const LLVMPIPE_ON_OPENGL: &[KnownIssue] = &[
     far("bridge_garden/bridge_garden_meshopt_specgloss.glb ", "triangle: 44 pixels differ"),
     far("kaykit_knight/knight.glb ", "triangle: 25 pixels differ"),
     far("living_room/living_room.glb", "triangle: 3 pixels differ"),
-    KnownIssue {
-        case: "a sliver",
-        figure: "shadow-map:0:0: 1758 pixels differ, 0 break the contract",
-        reason: "near and far planes are clipped against depths that went through 2 z - w, which moves a sliver's edge there",
-    },
+    far("living_room/living_room.glb ", "triangle: 3 pixels differ"),
+    thin("a sliver [0, 1, 2]"),
+    thin("a sliver [2, 0, 1]"),
     KnownIssue {
         case: "normal-offset second witness5",
         figure: "visibility:0: 12 pixels differ, 0 break the contract",
         reason: "of surfaces that meet at an edge, which are as deep as each other there, other ones are first: more are left out than the few that may be",
     },
     KnownIssue {
-        case: "features/AlphaBlendModeTest/AlphaBlendModeTest.glb spot footprint ",
-        figure: "shadow-map:0:0: 63027 pixels differ, 0 break the contract",
-        reason: "single texels at edges of triangles that the light sees nearly edge-on",
+        case: "godot_robot_player/player.glb point footprint ",
+        figure: "shadow-map:0:1: 23062 pixels differ, 0 break the contract",
+        reason: "of surfaces that meet at an edge, which are as deep as each other there, other ones are second",
     },
     KnownIssue {
-        case: "kenney_city_kit/building-small-d.glb point box6 ",
-        figure: "shadow-map:0:5: 93836 pixels differ, 0 break the contract",
+        case: "kenney_city_kit/building-small-c.glb point cross5 ",
+        figure: "shadow-map:0:0: 2112 pixels differ, 0 break the contract",
         reason: "of surfaces that meet at an edge, which are as deep as each other there, other ones are second",
     },
 ];
@@ -47,6 +45,12 @@ const LLVMPIPE_ON_OPENGL: &[KnownIssue] = &[
 /// Far surfaces close to each other, seen by a camera of reversed depth.
 const fn far(case: &'static str, figure: &'static str) -> KnownIssue {
     KnownIssue { case, figure, reason: "reversed depth near 0 loses its digits in 2 z - w" }
+}
+
+/// A sliver without an area on the grid, from one of its corners on.
+const fn thin(case: &'static str) -> KnownIssue {
+    let figure = "shadow-map:0:0: 1758 pixels differ, 0 break the contract";
+    KnownIssue { case, figure, reason: "its depth plane is decided by the last digits of depths that went through 2 z - w" }
 }
 
 /// What is known of the adapter under test.
@@ -63,7 +67,8 @@ pub(crate) fn beyond_known(case: &str, disagreement: Option<String>) -> Option<S
 }
 
 fn beyond(known: &[KnownIssue], case: &str, disagreement: Option<String>) -> Option<String> {
-    let Some(issue) = known.iter().find(|issue| case.starts_with(issue.case)) else { return disagreement };
+    let is_of = |issue: &&KnownIssue| case == issue.case || (issue.case.ends_with(' ') && case.starts_with(issue.case));
+    let Some(issue) = known.iter().find(is_of) else { return disagreement };
     match disagreement {
         Some(text) if text.contains(issue.figure) => None,
         Some(text) => Some(text),
@@ -77,9 +82,12 @@ mod tests {
 
     #[test]
     fn what_is_known_is_no_failure_and_must_happen() {
-        let known = [KnownIssue { case: "a box", figure: "2 pixels", reason: "it is so" }];
+        let of_case = |case| KnownIssue { case, figure: "2 pixels", reason: "it is so" };
+        let known = [of_case("a box"), of_case("a tree ")];
         let left = |case, text: Option<&str>| beyond(&known, case, text.map(String::from));
-        assert_eq!(left("a box in the sun", Some("2 pixels differ")), None);
+        assert_eq!(left("a box", Some("2 pixels differ")), None);
+        assert_eq!(left("a tree in the sun", Some("2 pixels differ")), None);
+        assert!(left("a box in the sun", Some("2 pixels differ")).is_some(), "another case is another failure");
         assert!(left("a box", Some("3 pixels differ")).is_some(), "another figure is another failure");
         assert!(left("a box", None).is_some_and(|text| text.contains("no longer happens")));
         assert_eq!(left("a ball", None), None);

@@ -231,7 +231,7 @@ fn a_clipped_sliver_faces_the_same_way() {
         };
         builder.add_instance("sliver", material, Mesh { vertices, triangles: vec![order] }).unwrap();
         let scene = builder.build().unwrap();
-        check("a sliver", &scene, &camera, &ShadowSettings::default(), (130, 37));
+        check(&format!("a sliver {order:?}"), &scene, &camera, &ShadowSettings::default(), (130, 37));
     }
 }
 

@@ -51,6 +51,8 @@ struct Tally {
     rendered: usize,
     refused: usize,
     comparisons: usize,
+    /// How many frames were tried: by that number filters, biases and stores take turns.
+    turns: usize,
     layers: usize,
     failures: Vec<String>,
 }
@@ -101,7 +103,7 @@ impl Sweep {
     /// Renders a scene under the lights that it has with everything there is, and compares.
     fn lit_scene(&mut self, case: &str, scene: &Scene, prepared: &PreparedScene<'_>, uploaded: &GpuScene) {
         // Filters and biases take turns, so that each meets scenes of every kind; at full size the default meets all of them, and every other filter a small picture of them.
-        let turn = self.tally.comparisons;
+        let turn = self.tally.turns;
         let store = Store::ALL[turn % Store::ALL.len()];
         let bias = |turn: usize| bias_for(store, bias(turn));
         let chosen: Vec<_> = if is_full() {
@@ -112,6 +114,7 @@ impl Sweep {
             vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes)]
         };
         for (filter, bias, sizes) in chosen {
+            self.tally.turns += 1;
             let case = format!("{case} {} {bias:?} {}", filter.name(), store.name());
             let settings = ShadowSettings { filter, bias, store, map_size: sizes.map, ..renderers::settings() };
             match self.compare(&case, scene, &settings, sizes.picture, prepared, uploaded) {
@@ -230,7 +233,7 @@ fn every_scene_agrees() {
         }
     }
     let Sweep { sizes: Sizes { picture: (width, height), map }, tally, .. } = sweep;
-    let Tally { rendered, refused, comparisons, layers, failures } = tally;
+    let Tally { rendered, refused, comparisons, layers, failures, .. } = tally;
     say(&format!(
         "every_scene_agrees: {} scene files, {rendered} rendered at {width} x {height} with maps of {map} x {map}, {refused} refused as listed; \
          {comparisons} frames with {layers} layers are the same on CPU and GPU ({} contract) and with {THREADS:?} threads; {} failures; {:.0} s",
