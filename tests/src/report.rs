@@ -35,7 +35,7 @@ pub fn assert_agreement(case: &str, comparison: &Comparison, expected: &Frame, a
 }
 
 /// What there is to say if two frames do not agree: a line for every layer that does not, with the paths of a report on it. Layers are in the
-/// order of the stages, so the first is where to look. What is [known](crate::known) of the adapter is nothing to say.
+/// order of the stages, so the first is where to look. What is known of the adapter is nothing to say.
 #[must_use]
 pub fn disagreement(case: &str, comparison: &Comparison, expected: &Frame, actual: &Frame) -> Option<String> {
     let text = (!comparison.agree()).then(|| text_of(case, comparison, expected, actual));
