@@ -110,7 +110,7 @@ pub(crate) fn check_machine(machine: &MachineArgs, backends: &[Backend], console
 /// The rules that the CPU backend follows to be compared with an adapter: its driver's where they are known, and else what a probe finds.
 pub(crate) fn rules_of(adapter: Option<&str>, console: &Console) -> Result<RasterRules, CliError> {
     Ok(match pollster::block_on(find_adapter(adapter))?.rules {
-        DriverRules::Lavapipe22 => RasterRules::lavapipe(RasterRules::default().fused),
+        DriverRules::Lavapipe22 => RasterRules::default(),
         DriverRules::SwiftShader => RasterRules::SWIFTSHADER,
         DriverRules::Unknown => {
             console.stage("measuring how the adapter draws");

@@ -496,7 +496,8 @@ mod tests {
     #[test]
     fn half_a_step_of_the_grid_is_left_to_it() {
         for (subpixel_bits, half_step) in [(4, 1.0 / 32.0), (8, 1.0 / 512.0)] {
-            let (_, views) = plan(&spot(0.5), &ShadowSettings { subpixel_bits, ..ShadowSettings::default() }).unwrap();
+            let settings = ShadowSettings { subpixel_bits, ..ShadowSettings::default() };
+            let (_, views) = plan(&spot(0.5), &settings).expect("both grids can be planned for");
             assert_eq!(views[0].snap_texels, half_step);
         }
     }
