@@ -1,16 +1,43 @@
 //! Where the samples of a map go: the light's cameras.
 //!
-//! Every fit gives [`ViewFit`]s in double precision; the plan rounds them once.
+//! | fit | what it covers | source |
+//! |---|---|---|
+//! | uniform | all that the light reaches; of a cascade the box around what it covers | Williams 1978 |
+//! | focused | the smallest rectangle around the image of what is seen and can be shadowed | Brabec, Annen and Seidel 2002; Freeman and Shapira 1975 |
+//! | LiSPSM | the same, with more samples near the camera | Wimmer, Scherzer and Purgathofer 2004 |
+//! | plane-optimal | a plane, with one sample for each of its pixels | Chong and Gortler 2004 |
+//! | stabilised | the sphere around a cascade, moved by whole texels | Valient 2007 |
+//!
+//! Every fit gives [`ViewFit`]s in double precision; the plan rounds them once. A fit that cannot be had says so ([`FitOutcome`]): the light then has its uniform view, or none where there
+//! is nothing to be seen.
 
+mod body;
+mod boxed;
 mod cube;
 mod depth_range;
+mod frame;
+mod lispsm;
+mod ogre;
+mod outcome;
+mod plane_optimal;
+mod stabilised;
 mod uniform;
 
+pub use body::{Eye, Subject, visible_body, visible_range};
+pub use boxed::{boxed_view, focused_view};
 pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
-pub use depth_range::{DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, range_around_point, range_in_view};
+pub use depth_range::{
+    DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, heights_of_casters, range_around_point, range_in_view,
+};
+pub use frame::{LightFrame, Rectangle};
+pub use lispsm::{LispsmWarp, MAX_WARP_PARAMETER, lispsm_view, optimal_warp};
+pub use ogre::{OgreSetup, ogre_lispsm_view, ogre_uniform_view, ogre_warp};
+pub use outcome::{FallBack, FitOutcome};
+pub use plane_optimal::{PlaneOptimal, plane_depth_factor, plane_optimal};
+pub use stabilised::{CascadeSphere, stabilised_view};
 pub use uniform::{directional_view, spot_view};
 
-use glam::DMat4;
+use glam::{DMat4, DVec4};
 
 use crate::depth::DepthScale;
 
@@ -25,11 +52,34 @@ pub struct ViewFit {
     pub range: DepthRange,
     /// How depth grows along the axis.
     pub depth_scale: DepthScale,
-    /// Width and height of a texel in metres: at a distance of 1 m for a perspective view, anywhere for an orthographic one.
+    /// Width and height of a texel in metres: at a distance of 1 m for a perspective view, anywhere for an orthographic one, and where most of what is seen is for a warped one.
     pub texel_metres: [f64; 2],
+    /// Width and height of the map in texels.
+    pub size: u32,
+    /// Whether w is something else than the distance along the axis, or 1 for parallel light.
+    pub is_warped: bool,
+    /// The row that is at least 0 where the matrix has a meaning.
+    pub half_space: DVec4,
+    /// How the view came about.
+    pub outcome: FitOutcome,
 }
 
 impl ViewFit {
+    /// What views that are not warped have in common.
+    fn unwarped(size: u32) -> Self {
+        Self {
+            view_from_world: DMat4::IDENTITY,
+            clip_from_view: DMat4::IDENTITY,
+            range: DepthRange { near: 0.0, far: 1.0 },
+            depth_scale: DepthScale::orthographic(1.0),
+            texel_metres: [1.0; 2],
+            size,
+            is_warped: false,
+            half_space: DVec4::W,
+            outcome: FitOutcome::Fitted,
+        }
+    }
+
     /// The same camera with reversed depth: 1 at the near plane, 0 at the far plane.
     #[must_use]
     pub fn reversed(&self) -> Self {
@@ -42,6 +92,25 @@ impl ViewFit {
     #[must_use]
     pub fn clip_from_world(&self) -> DMat4 {
         self.clip_from_view * self.view_from_world
+    }
+
+    /// The row that takes points to their distance along the axis, in metres; 1 everywhere for parallel light.
+    #[must_use]
+    pub fn distance_row(&self) -> DVec4 {
+        if self.depth_scale.w_per_metre > 0.0 { -self.view_from_world.row(2) } else { DVec4::W }
+    }
+
+    /// The light as a homogeneous point: the vector toward parallel light, with a 0, or a position, with a 1.
+    #[must_use]
+    pub fn light(&self) -> DVec4 {
+        let world_from_view = self.view_from_world.inverse();
+        if self.depth_scale.w_per_metre > 0.0 { world_from_view.w_axis } else { world_from_view.z_axis }
+    }
+
+    /// The same view as what another fit fell back to.
+    #[must_use]
+    pub fn in_place_of_another(self, why: FallBack) -> Self {
+        Self { outcome: FitOutcome::FellBackToUniform { why }, ..self }
     }
 }
 

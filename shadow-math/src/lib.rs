@@ -105,5 +105,5 @@ pub mod exposure;
 pub use camera::{Camera, CameraError, Projection};
 pub use light::{Light, LightError, LightKind, LightShape};
 pub use plan::PlanError;
-pub use settings::{Bias, Composition, Filter, Fit, ShadowSettings, Split, Store, Terminator, Texels};
+pub use settings::{Bias, Cascades, Composition, Filter, Fit, Selection, ShadowSettings, Split, SplitScheme, Store, Terminator, Texels};
 pub use visibility::{MapAccess, Receiver, visibility};

@@ -5,29 +5,9 @@
 //! Each enum grows as techniques are added; a combination without a meaning is refused by the plan with
 //! [`PlanError`](crate::PlanError), never replaced.
 
-/// Where do the samples of a map go?
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum Fit {
-    /// Over all that the light reaches, whatever the camera sees: the light-space box of the scene's bounds for a
-    /// directional light, the cone for a spot light, a cube face each for the others.
-    #[default]
-    Uniform,
-}
+mod light_camera;
 
-/// How many maps share the view?
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum Split {
-    /// As few as can cover the light: one for a directional light and for a spot light of at most
-    /// [70 degrees](crate::light::MAX_SINGLE_MAP_OUTER_ANGLE), the six faces of a cube for any other.
-    #[default]
-    Single,
-    /// The six faces of a cube around every light; refused for a directional light, which is nowhere.
-    Cube,
-}
+pub use light_camera::{Cascades, DEFAULT_LAMBDA, Fit, MAX_CASCADES, Selection, Split, SplitScheme};
 
 /// What does a texel remember?
 ///
@@ -390,6 +370,10 @@ pub struct ShadowSettings {
     pub fit: Fit,
     /// How many maps share the view.
     pub split: Split,
+    /// The plane of the plane-optimal fit, as `(normal, offset)` with `normal . point + offset = 0`, relative to the scene's origin; the normal is of any length above 0. `None` for the one that is found.
+    pub plane: Option<[f32; 4]>,
+    /// How far from the camera, along its axis in metres, there are shadows; `None` for as far as anything is seen.
+    pub shadow_distance: Option<f32>,
     /// What a texel remembers.
     pub store: Store,
     /// Where lookups think that texels are.
@@ -422,6 +406,8 @@ impl Default for ShadowSettings {
         Self {
             fit: Fit::default(),
             split: Split::default(),
+            plane: None,
+            shadow_distance: None,
             store: Store::default(),
             texels: Texels::default(),
             bias: Bias::default(),

@@ -6,6 +6,10 @@ const LIGHT_POINT: u32 = 2u;
 
 const SPLIT_SINGLE: u32 = 0u;
 const SPLIT_CUBE: u32 = 1u;
+const SPLIT_CASCADES: u32 = 2u;
+
+const SELECT_BY_DEPTH: u32 = 0u;
+const SELECT_BY_CONTAINMENT: u32 = 1u;
 
 const BIAS_NONE: u32 = 0u;
 const BIAS_CONSTANT: u32 = 1u;
@@ -89,9 +93,12 @@ struct LightPlan {
     picture_y: vec4f,
     picture_w: vec4f,
     picture_height: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    selection: u32,
+    guard_texels: f32,
+    shadow_far: f32,
+    view_distance: vec4f,
+    split_far: array<vec4f, 2>,
+    split_band: array<vec4f, 2>,
     filter_table: array<vec4f, 8>,
 }
 
@@ -127,8 +134,10 @@ struct ViewPlan {
     caster_asymptote: f32,
     caster_push: f32,
     snap_texels: f32,
+    is_warped: u32,
+    fit_outcome: u32,
     padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    distance: vec4f,
+    half_space: vec4f,
     rect: vec4u,
 }

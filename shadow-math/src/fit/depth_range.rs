@@ -7,6 +7,7 @@
 
 use glam::{DMat4, DVec3};
 
+use super::Rectangle;
 use crate::{bounds::Aabb, convex::intersect, frustum::Frustum};
 
 /// The near plane of a perspective view lies at least at this share of the far plane's distance.
@@ -37,12 +38,12 @@ pub fn distance_to_box(point: DVec3, bounds: Aabb) -> f64 {
     gap.max(DVec3::ZERO).max_element()
 }
 
-/// The range of a square perspective view: from the nearest to the farthest point of the casters' bounds within it.
+/// The range of a perspective view: from the nearest to the farthest point of the casters' bounds within it.
 ///
-/// `half_width` is half the width of its image at a distance of 1 m, in metres; `limit` is the light's range in metres, infinite for none.
+/// `image` is what the view has of the plane at a distance of 1 m, in metres; `limit` is the distance beyond which nothing is to be shadowed, infinite for none.
 /// Without a caster in view, the range lies around 1 m, or the limit if that is nearer: the map then stays empty and everything is lit.
 #[must_use]
-pub fn range_in_view(world_from_view: DMat4, half_width: f64, casters: &[Aabb], limit: f64) -> DepthRange {
+pub fn range_in_view(world_from_view: DMat4, image: Rectangle, casters: &[Aabb], limit: f64) -> DepthRange {
     let view_from_world = world_from_view.inverse();
     let farthest =
         casters.iter().map(|caster| -caster.transformed(view_from_world).0.z).filter(|far| far.is_finite()).fold(0.0, f64::max);
@@ -53,9 +54,9 @@ pub fn range_in_view(world_from_view: DMat4, half_width: f64, casters: &[Aabb], 
         let slice = [farthest.min(limit) * MIN_NEAR_SHARE, farthest];
         let corner = |i: usize| {
             let distance = slice[i / 4];
-            let half = half_width * distance;
-            let (x, y) = [(half, half), (-half, half), (-half, -half), (half, -half)][i % 4];
-            world_from_view.transform_point3(DVec3::new(x, y, -distance))
+            let Rectangle { min, max } = image;
+            let (x, y) = [(max.x, max.y), (min.x, max.y), (min.x, min.y), (max.x, min.y)][i % 4];
+            world_from_view.transform_point3(DVec3::new(x, y, -1.0) * distance)
         };
         let view = Frustum { corners: core::array::from_fn(corner) };
         for caster in casters {
@@ -67,6 +68,22 @@ pub fn range_in_view(world_from_view: DMat4, half_width: f64, casters: &[Aabb], 
         }
     }
     widened(near, far, limit)
+}
+
+/// Between which heights over a plane across parallel light, toward the light and in metres, there are casters whose shadows can fall into a rectangle of its image: `[lowest, highest]`; `None` without any.
+///
+/// Each caster counts with its box in light space, as high as it is anywhere: a plain test for each of many casters, and never too narrow.
+#[must_use]
+pub fn heights_of_casters(view_from_world: DMat4, image: Rectangle, casters: &[Aabb]) -> Option<[f64; 2]> {
+    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
+    for caster in casters {
+        let (min, max) = caster.transformed(view_from_world);
+        let meets = min.truncate().cmple(image.max).all() && max.truncate().cmpge(image.min).all();
+        if meets {
+            heights = [heights[0].min(min.z), heights[1].max(max.z)];
+        }
+    }
+    (heights[0] <= heights[1]).then_some(heights)
 }
 
 /// The common range of the six faces of a cube around `position`.
@@ -96,16 +113,20 @@ fn widened(near: f64, far: f64, limit: f64) -> DepthRange {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{DVec2, Vec3};
 
     use super::*;
+
+    fn square(half: f64) -> Rectangle {
+        Rectangle { min: DVec2::splat(-half), max: DVec2::splat(half) }
+    }
 
     #[test]
     fn the_range_encloses_the_casters_in_view() {
         let caster = Aabb::new(Vec3::new(-1.0, -1.0, -6.0), Vec3::new(1.0, 1.0, -4.0));
         let behind = Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(1.0, 1.0, 5.0));
         let aside = Aabb::new(Vec3::new(50.0, -1.0, -1.0), Vec3::new(52.0, 1.0, -0.5));
-        let range = range_in_view(DMat4::IDENTITY, 1.0, &[caster, behind, aside], f64::INFINITY);
+        let range = range_in_view(DMat4::IDENTITY, square(1.0), &[caster, behind, aside], f64::INFINITY);
         assert!(range.near < 4.0 && range.near > 3.99 && range.far > 6.0 && range.far < 6.01, "{range:?}");
     }
 
@@ -113,7 +134,7 @@ mod tests {
     #[test]
     fn a_large_caster_counts_only_where_it_is_seen() {
         let floor = Aabb::new(Vec3::new(-100.0, -2.1, -100.0), Vec3::new(100.0, -2.0, 100.0));
-        let range = range_in_view(DMat4::IDENTITY, 0.5, &[floor], 40.0);
+        let range = range_in_view(DMat4::IDENTITY, square(0.5), &[floor], 40.0);
         // The lower edge of a view that widens by 0.5 a metre meets the floor 2 m below after 4 m.
         assert!(range.near < 4.0 && range.near > 3.99, "{range:?}");
     }
@@ -122,7 +143,7 @@ mod tests {
     fn a_light_inside_a_caster_takes_the_near_rule() {
         let around = Aabb::new(Vec3::splat(-3.0), Vec3::splat(3.0));
         for range in [
-            range_in_view(DMat4::IDENTITY, 1.0, &[around], f64::INFINITY),
+            range_in_view(DMat4::IDENTITY, square(1.0), &[around], f64::INFINITY),
             range_around_point(DVec3::ZERO, &[around], f64::INFINITY),
         ] {
             assert!(range.near <= range.far * MIN_NEAR_SHARE * (1.0 + 1e-9), "{range:?}");
@@ -133,13 +154,13 @@ mod tests {
     #[test]
     fn the_lights_own_range_bounds_the_far_plane() {
         let caster = Aabb::new(Vec3::new(-1.0, -1.0, -60.0), Vec3::new(1.0, 1.0, -40.0));
-        let range = range_in_view(DMat4::IDENTITY, 1.0, &[caster], 10.0);
+        let range = range_in_view(DMat4::IDENTITY, square(1.0), &[caster], 10.0);
         assert!(range.near < range.far && range.far <= 10.0 * (1.0 + RANGE_MARGIN), "{range:?}");
     }
 
     #[test]
     fn no_caster_still_gives_a_range() {
-        let nothing = range_in_view(DMat4::IDENTITY, 1.0, &[], f64::INFINITY);
+        let nothing = range_in_view(DMat4::IDENTITY, square(1.0), &[], f64::INFINITY);
         for range in [nothing, range_around_point(DVec3::ZERO, &[Aabb::EMPTY], 0.5)] {
             assert!(range.near > 0.0 && range.near < range.far && range.far.is_finite(), "{range:?}");
         }

@@ -1,16 +1,16 @@
 //! The uniform fit: the whole reach of the light, whatever the camera sees.
 
-use glam::{DMat4, DQuat, DVec3, Vec3, dcamera::rh};
+use glam::{DMat4, DQuat, DVec2, DVec3, Vec3, dcamera::rh};
 
-use super::{DepthRange, RANGE_MARGIN, ViewFit, guard_scale, range_in_view};
+use super::{DepthRange, RANGE_MARGIN, Rectangle, ViewFit, guard_scale, range_in_view};
 use crate::{bounds::Aabb, camera::world_from_view_rotation, depth::DepthScale};
 
 /// The smallest extent of a directional light's box on an axis, as a share of the bounds' radius: a scene without
 /// thickness, seen edge-on, still gets a box that can be inverted.
-const MIN_EXTENT_SHARE: f64 = 1e-3;
+pub(super) const MIN_EXTENT_SHARE: f64 = 1e-3;
 
 /// A radius below this, in metres, is taken for it.
-const MIN_RADIUS: f64 = 1e-6;
+pub(super) const MIN_RADIUS: f64 = 1e-6;
 
 /// The camera of a directional light: the box, in light space, of the scene's bounds.
 ///
@@ -35,6 +35,7 @@ pub fn directional_view(direction: Vec3, bounds: Aabb, size: u32, guard: u32) ->
         range: DepthRange { near: 0.0, far: depth },
         depth_scale: DepthScale::orthographic(depth),
         texel_metres: [2.0 * half.x / f64::from(size), 2.0 * half.y / f64::from(size)],
+        ..ViewFit::unwarped(size)
     }
 }
 
@@ -57,7 +58,8 @@ pub fn spot_view(
     let rotation = world_from_view_rotation(direction.as_dvec3().normalize());
     let half_width = outer_angle.tan() * guard_scale(size, guard);
     let world_from_view = DMat4::from_rotation_translation(rotation, position.as_dvec3());
-    let range = range_in_view(world_from_view, half_width, casters, limit);
+    let image = Rectangle { min: DVec2::splat(-half_width), max: DVec2::splat(half_width) };
+    let range = range_in_view(world_from_view, image, casters, limit);
     perspective_view(rigid_inverse(rotation, position.as_dvec3()), half_width, range, size)
 }
 
@@ -71,6 +73,7 @@ pub(super) fn perspective_view(view_from_world: DMat4, half_width: f64, range: D
         range,
         depth_scale: DepthScale::perspective(range.near, range.far),
         texel_metres: [texel, texel],
+        ..ViewFit::unwarped(size)
     }
 }
 

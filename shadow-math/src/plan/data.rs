@@ -6,10 +6,11 @@ use glam::{Mat4, Vec3};
 use crate::{
     caster::CASTER_PLAIN,
     depth::{DEPTH_LINEAR, DEPTH_Z_OVER_W, LAYER_FIRST},
+    settings::MAX_CASCADES,
 };
 
-/// The most views of one light: the faces of a cube.
-pub const MAX_VIEWS_PER_LIGHT: usize = 6;
+/// The most views of one light: as many cascades as there can be, two more than a cube has faces.
+pub const MAX_VIEWS_PER_LIGHT: usize = MAX_CASCADES;
 
 /// [`LightPlan::kind`] of a directional light.
 pub const LIGHT_DIRECTIONAL: u32 = 0;
@@ -22,6 +23,13 @@ pub const LIGHT_POINT: u32 = 2;
 pub const SPLIT_SINGLE: u32 = 0;
 /// [`LightPlan::split`]: six views, in the order of [`CUBE_FACES`](crate::fit::CUBE_FACES).
 pub const SPLIT_CUBE: u32 = 1;
+/// [`LightPlan::split`]: a view for each range of distances from the camera.
+pub const SPLIT_CASCADES: u32 = 2;
+
+/// [`LightPlan::selection`]: the cascade whose distances have the receiver's.
+pub const SELECT_BY_DEPTH: u32 = 0;
+/// [`LightPlan::selection`]: the first cascade whose map has the receiver, and all that its filter looks at.
+pub const SELECT_BY_CONTAINMENT: u32 = 1;
 
 /// [`LightPlan::bias`] without any part.
 pub const BIAS_NONE: u32 = 0;
@@ -74,7 +82,7 @@ pub const TERMINATOR_SOFT: u32 = 1;
 
 /// The rays through the pixels of a view: `(origin, direction)` at pixel coordinates `(x, y)` are `a + a_dx x + a_dy y` each.
 ///
-/// Pixel centres lie at + 0.5. Directions are not normalised. The fourth components are padding.
+/// Pixel centres lie at + 0.5. Directions are not normalised. The fourth components are padding, but for origins in a [`ViewPlan`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PixelRays {
@@ -146,7 +154,7 @@ pub struct LightPlan {
     pub first_view: u32,
     /// The number of its views.
     pub view_count: u32,
-    /// [`SPLIT_SINGLE`] or [`SPLIT_CUBE`]: how a receiver chooses among the views.
+    /// [`SPLIT_SINGLE`], [`SPLIT_CUBE`] or [`SPLIT_CASCADES`]: how a receiver chooses among the views.
     pub split: u32,
     /// [`BIAS_AUTOMATIC`], or any of the other bits together.
     pub bias: u32,
@@ -188,12 +196,18 @@ pub struct LightPlan {
     pub picture_w: [f32; 4],
     /// Height of the picture in texels.
     pub picture_height: u32,
-    /// Padding to a multiple of 16 bytes.
-    pub padding_0: u32,
-    /// Padding.
-    pub padding_1: u32,
-    /// Padding.
-    pub padding_2: u32,
+    /// [`SELECT_BY_DEPTH`] or [`SELECT_BY_CONTAINMENT`]: how a receiver chooses among cascades.
+    pub selection: u32,
+    /// How far a lookup must be from the rim of a map to be contained in it, in texels.
+    pub guard_texels: f32,
+    /// The distance from the camera, along its axis in metres, beyond which nothing is shadowed; `f32::MAX` for none.
+    pub shadow_far: f32,
+    /// The row that takes points to their distance from the camera along its axis, in metres.
+    pub view_distance: [f32; 4],
+    /// Where each cascade ends, in metres from the camera along its axis: increasing, and `f32::MAX` for cascades that are not there.
+    pub split_far: [[f32; 4]; 2],
+    /// Over how many metres before its end each cascade is blended with the next one.
+    pub split_band: [[f32; 4]; 2],
     /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
     pub filter_table: [[f32; 4]; 8],
 }
@@ -216,7 +230,7 @@ pub struct ViewPlan {
     pub world_from_texel_y: [f32; 4],
     /// The third column.
     pub world_from_depth: [f32; 4],
-    /// The rays through the texels, for alpha-tested casters.
+    /// The rays through the texels, for casters that are tested at each texel. Origins are homogeneous: see [`texel_ray`](crate::triangle::texel_ray).
     pub rays: PixelRays,
     /// NDC x and y times this, plus `texel_offset`, are texels of the layer.
     pub texel_scale: [f32; 2],
@@ -226,13 +240,13 @@ pub struct ViewPlan {
     pub rounding_texels: [f32; 2],
     /// The bound on rounding, in depth: wherever the receiver is, and divided by its w.
     pub rounding_depth: [f32; 2],
-    /// `metres` before a receiver take up `depth_factor * metres / (w * (w - w_per_metre * metres))` of depth.
+    /// `metres` before a receiver, along the view's axis, take up `depth_factor * metres / (w * (distance - w_per_metre * metres))` of depth.
     pub depth_factor: f32,
-    /// 1 for a perspective view, 0 for an orthographic one.
+    /// 1 for light from a place, 0 for parallel light.
     pub w_per_metre: f32,
     /// The distances of the near and far planes along the axis, in metres.
     pub depth_range: [f32; 2],
-    /// Width and height of a texel in metres: at w = 1.
+    /// Width and height of a texel in metres: at w = 1; of a warped view, where most of what is seen is.
     pub texel_metres: [f32; 2],
     /// The layer of the map array.
     pub layer: u32,
@@ -264,13 +278,17 @@ pub struct ViewPlan {
     pub caster_push: f32,
     /// How far a rasteriser moves a vertex on either axis, in texels: half a step of its sub-pixel grid.
     pub snap_texels: f32,
+    /// 1 for a view whose w is no distance along its axis: its texels have other widths from place to place.
+    pub is_warped: u32,
+    /// How the view came about: what [`ViewPlan::outcome`] tells.
+    pub fit_outcome: u32,
     /// Padding to a multiple of 16 bytes.
     pub padding_0: u32,
-    /// Padding.
-    pub padding_1: u32,
-    /// Padding.
-    pub padding_2: u32,
-    /// The rectangle within the layer: x, y, width, height in texels.
+    /// The row that takes points to their distance from the light along the view's axis, in metres: `clip_w` where nothing is warped, and 1 everywhere for parallel light.
+    pub distance: [f32; 4],
+    /// The half-space outside of which the view's matrix means nothing, as a row that is at least 0 inside: casters there are not drawn, and receivers are lit.
+    pub half_space: [f32; 4],
+    /// The rectangle within the layer: x, y, width, height in texels; empty for a view of nothing, which has no layer.
     pub rect: [u32; 4],
 }
 

@@ -1,0 +1,142 @@
+//! What there is to be fitted: the convex body of all points that the camera sees and something can shadow.
+
+use glam::{DVec3, DVec4};
+
+use super::{LightFrame, MIN_NEAR_SHARE};
+use crate::{
+    bounds::Aabb,
+    camera::{Camera, Projection},
+    frustum::Frustum,
+    polytope::{Polytope, shadow_planes},
+};
+
+/// What there is to be shadowed, and who looks at it.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The bounds of what can cast a shadow, in metres relative to the scene's origin.
+    pub casters: &'a [Aabb],
+    /// The bounds of everything that is drawn.
+    pub bounds: Aabb,
+    /// The scene's own origin in the world, in metres: what stabilised texels are counted from.
+    pub origin: DVec3,
+    /// Who looks at it; `None` where nobody does, for fits that do not ask.
+    pub eye: Option<Eye<'a>>,
+}
+
+/// A camera, and what is known of what it sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Eye<'a> {
+    /// The camera.
+    pub camera: Camera,
+    /// Width over height of its picture.
+    pub aspect: f64,
+    /// Points of the surfaces that it sees, in metres relative to the scene's origin, by which fits are narrowed; none for what the frustum has.
+    pub samples: &'a [glam::Vec3],
+    /// The largest plane that it sees, as `(normal, offset)` with `normal . point + offset = 0`.
+    pub plane: Option<DVec4>,
+}
+
+impl<'a> Subject<'a> {
+    /// Casters within bounds, at which nobody looks.
+    #[must_use]
+    pub const fn unseen(casters: &'a [Aabb], bounds: Aabb) -> Self {
+        Self { casters, bounds, origin: DVec3::ZERO, eye: None }
+    }
+
+    /// The bounds of all casters together.
+    #[must_use]
+    pub fn caster_bounds(&self) -> Aabb {
+        self.casters.iter().fold(Aabb::EMPTY, |all, caster| all.union(*caster))
+    }
+}
+
+impl Eye<'_> {
+    /// The row that takes points to their distance along the camera's axis, in metres.
+    #[must_use]
+    pub fn distance_row(&self) -> DVec4 {
+        let axis = self.camera.direction();
+        axis.extend(-axis.dot(self.camera.eye))
+    }
+
+    /// The distances of the camera's own near and far planes, in metres; infinite for no far plane.
+    #[must_use]
+    pub fn planes(&self) -> [f64; 2] {
+        match self.camera.projection {
+            Projection::Perspective { near, far, .. } => [near, far.unwrap_or(f64::INFINITY)],
+            Projection::Orthographic { near, far, .. } => [near, far],
+        }
+    }
+
+    /// The vector along which the distance from the camera grows at a point: its axis.
+    #[must_use]
+    pub fn axis(&self) -> DVec3 {
+        self.camera.direction()
+    }
+}
+
+/// Between which distances from the camera, along its axis in metres, there is anything to be seen; `None` where there is nothing.
+///
+/// `shadow_distance` is where shadows end, infinite for nowhere. The distances are those of the bounds' corners, of the samples if there are any, and of the camera's planes, whichever are narrower.
+#[must_use]
+pub fn visible_range(eye: &Eye<'_>, bounds: Aabb, shadow_distance: f64) -> Option<[f64; 2]> {
+    let row = eye.distance_row();
+    let [mut near, mut far] = eye.planes();
+    far = far.min(shadow_distance);
+    let mut narrow = |points: &mut dyn Iterator<Item = glam::Vec3>| {
+        let range = points.map(|point| row.dot(point.as_dvec3().extend(1.0)));
+        let [least, most] = range.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], d| [least.min(d), most.max(d)]);
+        near = near.max(least);
+        far = far.min(most);
+    };
+    narrow(&mut bounds.corners().into_iter());
+    if !eye.samples.is_empty() {
+        // A sample is a point of its pixel's surface, which goes on for half a pixel on each side.
+        narrow(&mut eye.samples.iter().copied());
+    }
+    // A surface that faces the camera has one distance alone.
+    let far = far.max(near);
+    let widest = if bounds.is_empty() { f64::NAN } else { far };
+    let widened = [near * (1.0 - SLICE_MARGIN), far * (1.0 + SLICE_MARGIN) + f64::MIN_POSITIVE];
+    (near <= widest && eye.planes()[0] <= widened[1]).then_some(widened)
+}
+
+/// By what share of themselves a slice's distances are widened: single precision, in which receivers are measured, must not lead out of it.
+const SLICE_MARGIN: f64 = 1e-6;
+
+/// All points that the camera sees between two distances along its axis, in metres, that lie within the bounds, and that a caster can shadow: the slice of its frustum, cut by the planes of the bounds, of the shadow
+/// volume of all casters' bounds and of what the light reaches. Empty where that is nothing.
+///
+/// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume and 5 of the light: fewer than a [`Polytope`] has room for.
+#[must_use]
+pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, frame: &LightFrame) -> Polytope {
+    let Ok(slice) = Frustum::slice(&eye.camera, eye.aspect, near.max(0.0), far) else { return Polytope::EMPTY };
+    let mut body = Polytope::from_frustum(&slice);
+    let (min, max) = (subject.bounds.min.as_dvec3(), subject.bounds.max.as_dvec3());
+    for axis in DVec3::AXES {
+        body.clip(axis.extend(-axis.dot(min)));
+        body.clip((-axis).extend(axis.dot(max)));
+    }
+    let (planes, count) = shadow_planes(subject.caster_bounds(), frame.light());
+    for plane in &planes[..count] {
+        body.clip(*plane);
+    }
+    if frame.is_perspective {
+        let farthest = farthest_of(&body, frame);
+        let view_from_world = frame.view_from_world();
+        let [x, y, z] = [0, 1, 2].map(|row| view_from_world.row(row));
+        for plane in [z * -frame.reach - x, z * -frame.reach + x, z * -frame.reach - y, z * -frame.reach + y] {
+            body.clip(plane);
+        }
+        body.clip(-z - DVec4::W * (MIN_NEAR_SHARE * farthest));
+        if frame.limit.is_finite() {
+            body.clip(z + DVec4::W * frame.limit);
+        }
+    }
+    body
+}
+
+/// The greatest distance of a body's vertices along a light's axis, at most the light's limit.
+fn farthest_of(body: &Polytope, frame: &LightFrame) -> f64 {
+    let row = -frame.view_from_world().row(2);
+    body.vertices().iter().map(|vertex| row.dot(vertex.extend(1.0))).fold(0.0, f64::max).min(frame.limit)
+}

@@ -1,0 +1,149 @@
+//! Views of a rectangle of a light's image: the fits without a warp.
+
+use glam::{DMat4, DVec2, DVec3, dcamera::rh};
+
+use super::{
+    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, Rectangle, ViewFit, guard_scale,
+    heights_of_casters, range_in_view,
+    uniform::{MIN_EXTENT_SHARE, MIN_RADIUS},
+};
+use crate::{
+    bounds::Aabb,
+    depth::DepthScale,
+    polytope::MAX_VERTICES,
+    rectangle::{convex_hull, smallest_rectangle},
+};
+
+/// The view of the smallest rectangle, with sides along the frame's axes, around the image of some points.
+///
+/// `points` are those of a convex body in world space, before the light; `guard` texels of the `size` stay free on every side. Depth reaches from the nearest caster whose shadow can fall into the
+/// rectangle to the farthest of the points. No points give [`FitOutcome::NothingVisible`].
+#[must_use]
+pub fn boxed_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size: u32, guard: u32) -> ViewFit {
+    let view_from_world = frame.view_from_world();
+    let seen = points.iter().map(|&point| view_from_world.transform_point3(point));
+    let Some(image) = Rectangle::around(seen.map(|point| frame.image(point))) else {
+        return nothing_visible(frame, size);
+    };
+    rectangle_view(frame, image, points, casters, size, guard)
+}
+
+/// The view of the smallest rectangle, turned as need be, around the image of some points.
+///
+/// As [`boxed_view`]; the rectangle's longer side lies along the image's x axis. At most [`MAX_VERTICES`] points count: no body has more vertices.
+///
+/// Source: one side of the smallest rectangle around a convex polygon lies along an edge of it (Freeman and Shapira 1975); focusing is Brabec, Annen and Seidel 2002, section 3.
+#[must_use]
+pub fn focused_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size: u32, guard: u32) -> ViewFit {
+    let view_from_world = frame.view_from_world();
+    let mut images = [DVec2::ZERO; MAX_VERTICES];
+    let count = points.len().min(MAX_VERTICES);
+    for (image, point) in images.iter_mut().zip(points) {
+        *image = frame.image(view_from_world.transform_point3(*point));
+    }
+    let mut hull = [DVec2::ZERO; MAX_VERTICES];
+    let corners = convex_hull(&images[..count], &mut hull);
+    if corners == 0 {
+        return nothing_visible(frame, size);
+    }
+    let rectangle = smallest_rectangle(&hull[..corners]);
+    // The image's x axis is the y axis turned back by a quarter.
+    let frame = frame.rolled(rectangle.axis.perp());
+    boxed_view(&frame, points, casters, size, guard)
+}
+
+/// A view of a frame in which nothing is seen.
+pub(super) fn nothing_visible(frame: &LightFrame, size: u32) -> ViewFit {
+    let image = Rectangle { min: DVec2::NEG_ONE, max: DVec2::ONE };
+    ViewFit { outcome: FitOutcome::NothingVisible, ..rectangle_view(frame, image, &[], &[], size, 0) }
+}
+
+/// The view of a rectangle of the image; depth reaches as far as the points.
+pub(super) fn rectangle_view(
+    frame: &LightFrame,
+    image: Rectangle,
+    points: &[DVec3],
+    casters: &[Aabb],
+    size: u32,
+    guard: u32,
+) -> ViewFit {
+    let view_from_world = frame.view_from_world();
+    let heights = points.iter().map(|&point| view_from_world.transform_point3(point).z);
+    let [lowest, highest] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
+    let image = with_extent(frame, image).scaled(guard_scale(size, guard));
+    if frame.is_perspective {
+        perspective_rectangle(frame, view_from_world, image, -lowest, casters, size)
+    } else {
+        parallel_rectangle(frame, view_from_world, image, [lowest, highest], casters, size)
+    }
+}
+
+/// A rectangle that is at least wide and high enough to be inverted.
+fn with_extent(frame: &LightFrame, image: Rectangle) -> Rectangle {
+    let half = image.half();
+    // A tangent is a length at a distance of 1 m.
+    let least = if frame.is_perspective { MIN_EXTENT_SHARE * 1e-3 } else { MIN_RADIUS };
+    let least = (MIN_EXTENT_SHARE * half.max_element()).max(least);
+    let (center, half) = (image.center(), half.max(DVec2::splat(least)));
+    Rectangle { min: center - half, max: center + half }
+}
+
+/// The view of a rectangle of a light at a place, as deep as its casters are, and no deeper than `farthest`.
+fn perspective_rectangle(
+    frame: &LightFrame,
+    view_from_world: DMat4,
+    image: Rectangle,
+    farthest: f64,
+    casters: &[Aabb],
+    size: u32,
+) -> ViewFit {
+    let limit = if farthest > 0.0 && farthest.is_finite() { frame.limit.min(farthest) } else { frame.limit };
+    let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
+    let range = range_in_view(world_from_view, image, casters, limit);
+    let Rectangle { min, max } = image;
+    let n = range.near;
+    let texel = (max - min) / f64::from(size);
+    ViewFit {
+        view_from_world,
+        clip_from_view: rh::proj::directx::frustum(min.x * n, max.x * n, min.y * n, max.y * n, n, range.far),
+        range,
+        depth_scale: DepthScale::perspective(n, range.far),
+        texel_metres: texel.to_array(),
+        ..ViewFit::unwarped(size)
+    }
+}
+
+/// The view of a rectangle of parallel light, from the highest caster to the lowest point.
+fn parallel_rectangle(
+    frame: &LightFrame,
+    view_from_world: DMat4,
+    image: Rectangle,
+    [lowest, highest]: [f64; 2],
+    casters: &[Aabb],
+    size: u32,
+) -> ViewFit {
+    let of_casters = heights_of_casters(view_from_world, image, casters);
+    let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], image.half().max_element());
+    let center = image.center();
+    let depth = top - bottom;
+    let eye = frame.rotation * center.extend(top);
+    let half = image.half();
+    ViewFit {
+        view_from_world: super::uniform::rigid_inverse(frame.rotation, eye),
+        clip_from_view: rh::proj::directx::orthographic(-half.x, half.x, -half.y, half.y, 0.0, depth),
+        range: DepthRange { near: 0.0, far: depth },
+        depth_scale: DepthScale::orthographic(depth),
+        texel_metres: (2.0 * half / f64::from(size)).to_array(),
+        ..ViewFit::unwarped(size)
+    }
+}
+
+/// The heights at which a parallel view begins and ends: from the highest caster to the lowest receiver or caster, whichever is higher, since what lies below the last caster is compared there.
+pub(super) fn depth_of_heights(casters: Option<[f64; 2]>, receivers: [f64; 2], extent: f64) -> [f64; 2] {
+    let [lowest, highest] = if receivers[0].is_finite() && receivers[1].is_finite() { receivers } else { [0.0, 0.0] };
+    let [lowest_caster, highest_caster] = casters.unwrap_or([lowest, highest]);
+    let bottom = lowest.max(lowest_caster);
+    let depth = (highest_caster - bottom).max(MIN_EXTENT_SHARE * extent).max(MIN_RADIUS);
+    let margin = RANGE_MARGIN * depth;
+    [bottom + depth + margin, bottom - margin]
+}

@@ -1,0 +1,154 @@
+//! One view of a plan: a light's camera, rounded to the plan's precision.
+
+use glam::{DMat4, DVec2, DVec3, DVec4};
+
+use super::data::{PixelRays, ViewPlan};
+use crate::{
+    bounds::Aabb,
+    caster::{CASTER_OGRE_2006, CASTER_OGRE_2006_CORRECTED, CASTER_PLAIN, CASTER_POLYGON_OFFSET},
+    depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, LAYER_FIRST, LAYER_MIDPOINT, LAYER_SECOND},
+    fit::{FitOutcome, ViewFit},
+    rounding::RoundingBound,
+    settings::{Bias, Ogre2006, PolygonOffset, ShadowSettings, Store},
+    spaces::{texel_from_clip, texel_from_ndc},
+};
+
+/// Rounds a light's camera to the plan's precision.
+fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32) -> ViewPlan {
+    let (size, store) = (settings.map_size, settings.store);
+    let depth_kind = match store {
+        Store::Reversed32 => DEPTH_REVERSED,
+        // An orthographic view's w is 1 everywhere, and its z / w is the distance.
+        Store::Linear if view.depth_scale.w_per_metre > 0.0 => DEPTH_LINEAR,
+        _ => DEPTH_Z_OVER_W,
+    };
+    let view = &match depth_kind {
+        DEPTH_Z_OVER_W => *view,
+        _ => view.reversed(),
+    };
+    let clip_from_world = view.clip_from_world();
+    let extent = DVec2::splat(f64::from(size));
+    let (texel_scale, texel_offset) = texel_from_ndc(DVec2::ZERO, extent);
+    let world_from_texel = (texel_from_clip(DVec2::ZERO, extent) * clip_from_world).inverse();
+    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size).of_store(store, view, depth_kind != DEPTH_Z_OVER_W);
+    let (near, far) = (view.range.near, view.range.far);
+    let is_linear = depth_kind == DEPTH_LINEAR;
+    let range = far - near;
+    let of_linear = |number: f64| if is_linear { number as f32 } else { 0.0 };
+    let [clip_x, clip_y, clip_z, clip_w] = rows(clip_from_world);
+
+    let world_from_view = view.view_from_world.inverse();
+    let half_extent = DVec2::from(view.texel_metres) * 0.5 * extent;
+    ViewPlan {
+        clip_x,
+        clip_y,
+        clip_z,
+        clip_w,
+        world_from_texel_x: rounded(world_from_texel.x_axis),
+        world_from_texel_y: rounded(world_from_texel.y_axis),
+        world_from_depth: rounded(world_from_texel.z_axis),
+        rays: pixel_rays(
+            world_from_view.w_axis.truncate(),
+            world_from_view.x_axis.truncate(),
+            world_from_view.y_axis.truncate(),
+            half_extent,
+            extent,
+            view.depth_scale.w_per_metre > 0.0,
+        ),
+        texel_scale: texel_scale.as_vec2().to_array(),
+        texel_offset: texel_offset.as_vec2().to_array(),
+        rounding_texels: [rounding.texels as f32, rounding.texels_over_w as f32],
+        rounding_depth: [rounding.depth as f32, rounding.depth_over_w as f32],
+        depth_factor: view.depth_scale.factor as f32,
+        w_per_metre: view.depth_scale.w_per_metre as f32,
+        depth_range: [view.range.near as f32, view.range.far as f32],
+        texel_metres: view.texel_metres.map(|metres| metres as f32),
+        layer,
+        depth_kind,
+        depth_layer: match store {
+            Store::Second => LAYER_SECOND,
+            Store::Midpoint => LAYER_MIDPOINT,
+            _ => LAYER_FIRST,
+        },
+        depth_steps: store.steps(),
+        range_over_near: of_linear(range / near),
+        rounding_metres: of_linear(rounding.metres),
+        linear_scale: of_linear(1.0 / range),
+        linear_offset: of_linear(-near / range),
+        snap_texels: half_step(settings.subpixel_bits),
+        rect: [0, 0, size, size],
+        ..caster_of(settings.bias, view)
+    }
+}
+
+/// Half a step of a grid with so many bits, in texels.
+fn half_step(subpixel_bits: u32) -> f32 {
+    0.5 / (1_u32 << subpixel_bits) as f32
+}
+
+/// A plan with nothing but how casters are drawn deeper.
+fn caster_of(bias: Bias, view: &ViewFit) -> ViewPlan {
+    let plain = ViewPlan { caster_kind: CASTER_PLAIN, ..ViewPlan::default() };
+    let Bias::Parts(parts) = bias else { return plain };
+    if let Some(PolygonOffset { slope, units, clamp }) = parts.polygon_offset {
+        let caster_limit = if clamp > 0.0 { clamp.min(1.0) } else { 1.0 };
+        return ViewPlan { caster_kind: CASTER_POLYGON_OFFSET, caster_slope: slope, caster_units: units, caster_limit, ..plain };
+    }
+    let Some(Ogre2006 { metres, is_corrected }) = parts.ogre_2006 else { return plain };
+    let (factor, metres) = (view.depth_scale.factor, f64::from(metres));
+    let is_perspective = view.depth_scale.w_per_metre > 0.0;
+    let (near, far) = (view.range.near, view.range.far);
+    ViewPlan {
+        caster_kind: if is_corrected { CASTER_OGRE_2006_CORRECTED } else { CASTER_OGRE_2006 },
+        // The shader steps by half a texel in a depth twice as large as ours, and halves the larger slope twice.
+        caster_slope: if is_corrected { 1.0 } else { 0.25 },
+        caster_units: if is_perspective { 0.0 } else { (metres * factor) as f32 },
+        caster_limit: 1.0,
+        caster_asymptote: if is_perspective { (far / (far - near)) as f32 } else { 0.0 },
+        caster_push: if is_perspective { (metres / factor) as f32 } else { 0.0 },
+        ..plain
+    }
+}
+
+/// The rays of a view from its pose: `right` and `up` are unit vectors, `half_extent` half the width and height of the image in
+/// metres (at a distance of 1 m if `perspective`), `size` its extent in pixels.
+fn pixel_rays(eye: DVec3, right: DVec3, up: DVec3, half_extent: DVec2, size: DVec2, perspective: bool) -> PixelRays {
+    let forward = up.cross(right);
+    let dx = right * (2.0 * half_extent.x / size.x);
+    // Rows count downward.
+    let dy = -up * (2.0 * half_extent.y / size.y);
+    let corner = up * half_extent.y - right * half_extent.x;
+    let pad = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+    let zero = pad(DVec3::ZERO);
+    if perspective {
+        PixelRays {
+            origin: pad(eye),
+            origin_dx: zero,
+            origin_dy: zero,
+            direction: pad(forward + corner),
+            direction_dx: pad(dx),
+            direction_dy: pad(dy),
+        }
+    } else {
+        PixelRays {
+            origin: pad(eye + corner),
+            origin_dx: pad(dx),
+            origin_dy: pad(dy),
+            direction: pad(forward),
+            direction_dx: zero,
+            direction_dy: zero,
+        }
+    }
+}
+
+/// The rows of a matrix, rounded.
+fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
+    let transposed = matrix.transpose();
+    [transposed.x_axis, transposed.y_axis, transposed.z_axis, transposed.w_axis].map(rounded)
+}
+
+/// Rounds each component to the nearest f32.
+fn rounded(v: DVec4) -> [f32; 4] {
+    v.as_vec4().to_array()
+}
+
