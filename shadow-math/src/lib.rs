@@ -83,6 +83,7 @@ pub mod bounds;
 pub mod camera;
 pub mod frustum;
 pub mod convex;
+pub mod polytope;
 pub mod light;
 pub mod settings;
 pub mod depth;
