@@ -68,20 +68,21 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
     let texels = reach + (view.snap_texels + view.rounding_texels[0] + view.rounding_texels[1] / w);
     let mut rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;
     if view.depth_kind == DEPTH_LINEAR {
-        rounding += metres_to_depth(view, w, view.rounding_metres);
+        // Linear depth is of views whose distance is w.
+        rounding += metres_to_depth(view, w, w, view.rounding_metres);
     }
     slope * texels + rounding
 }
 
 /// The bias of a lookup that is not moved, in depth, from 0 to [`MAX_DEPTH_BIAS`]; it is added to the stored depth.
 ///
-/// `needed` is what [`needed_depth`] gives, `w` the receiver's clip w, above 0. It is one of z / w: [`linear_bias`](crate::depth::linear_bias) turns it into one of linear depth.
+/// `needed` is what [`needed_depth`] gives, `w` the receiver's clip w, above 0, and `distance` its distance along the view's axis, in metres. It is one of z / w: [`linear_bias`](crate::depth::linear_bias) turns it into one of linear depth.
 #[inline(always)]
 #[must_use]
-pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32) -> f32 {
+pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32, distance: f32) -> f32 {
     let mut bias = 0.0;
     if light.bias & BIAS_CONSTANT != 0 {
-        bias = metres_to_depth(view, w, light.bias_metres);
+        bias = metres_to_depth(view, w, distance, light.bias_metres);
     }
     if light.bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE) != 0 {
         bias += needed;
@@ -132,8 +133,36 @@ pub fn normal_step(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3
     }
     let cosine = normal.dot(normalized(toward_light(light, point)));
     let sine = square_root((1.0 - cosine * cosine).max(0.0));
-    let texel = view.texel_metres[0].max(view.texel_metres[1]) * w;
-    light.normal_texels * texel * sine
+    light.normal_texels * texel_width(light, view, point, w) * sine
+}
+
+/// The longer side of a texel across the light's ray, where a point is, in metres.
+///
+/// `point` is in metres relative to the scene's origin, `w` its clip w, above 0. In a warped view the point moves by `w (c - x c_w)` a texel, with c the inverse matrix's column and x the point: the quotient rule. What
+/// of that is along the ray does not count.
+#[inline(always)]
+#[must_use]
+pub fn texel_width(light: &LightPlan, view: &ViewPlan, point: Vec3, w: f32) -> f32 {
+    if view.is_warped == 0 {
+        return view.texel_metres[0].max(view.texel_metres[1]) * w;
+    }
+    let toward = normalized(toward_light(light, point));
+    let across_x = across(column_step(view.world_from_texel_x, point), toward);
+    let across_y = across(column_step(view.world_from_texel_y, point), toward);
+    across_x.max(across_y) * w
+}
+
+/// How a point moves along a column of the inverse matrix, over w.
+#[inline(always)]
+fn column_step(column: [f32; 4], point: Vec3) -> Vec3 {
+    Vec3::new(column[0] - point.x * column[3], column[1] - point.y * column[3], column[2] - point.z * column[3])
+}
+
+/// The length of what is left of a vector across a unit vector.
+#[inline(always)]
+fn across(v: Vec3, unit: Vec3) -> f32 {
+    let rest = v - unit * v.dot(unit);
+    square_root(rest.x * rest.x + rest.y * rest.y + rest.z * rest.z)
 }
 
 #[inline(always)]
@@ -146,18 +175,22 @@ fn square_root(x: f32) -> f32 {
 /// The most that a receiver plane corrects a tap by, in depth: as much as its length in metres takes up before the receiver.
 #[inline(always)]
 #[must_use]
-pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32) -> f32 {
-    metres_to_depth(view, w, light.plane_metres)
+pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32, distance: f32) -> f32 {
+    metres_to_depth(view, w, distance, light.plane_metres)
 }
 
 /// The depth that the last `metres` before a receiver take up; [`MAX_DEPTH_BIAS`] where they reach back to the light.
+///
+/// The image of the light itself has a depth and nothing else: x, y and w are 0 there. A point that has gone the share s of its way to a light at a place is `(1 - s)` of itself and s of the light, homogeneous, and its depth is
+/// smaller by `factor s / ((1 - s) w)`, with `factor` minus the light's depth; with s the metres over the distance that is what stands here. A point that moves toward parallel light by m metres is itself and m of the light:
+/// `factor m / w`. Both hold for any matrix that maps the light so, warped or not.
 #[inline(always)]
-fn metres_to_depth(view: &ViewPlan, w: f32, metres: f32) -> f32 {
-    let w_before = w - view.w_per_metre * metres;
-    if w_before <= 0.0 {
+fn metres_to_depth(view: &ViewPlan, w: f32, distance: f32, metres: f32) -> f32 {
+    let distance_before = distance - view.w_per_metre * metres;
+    if distance_before <= 0.0 {
         return MAX_DEPTH_BIAS;
     }
-    view.depth_factor * metres / (w * w_before)
+    view.depth_factor * metres / (w * distance_before)
 }
 
 #[cfg(test)]
@@ -204,10 +237,10 @@ mod tests {
                 clip.z / clip.w
             };
             let expected = depth(f64::from(w)) - depth(f64::from(w) - 0.1);
-            let bias = f64::from(metres_to_depth(&plan, w, 0.1));
+            let bias = f64::from(metres_to_depth(&plan, w, w, 0.1));
             // f32 rounds the factor, w - 0.1 and the quotient.
             assert!((bias - expected).abs() < 1e-6 * expected, "{bias} {expected}");
         }
-        assert_eq!(metres_to_depth(&plan, 2.0, 2.0), MAX_DEPTH_BIAS, "the length reaches back to the light");
+        assert_eq!(metres_to_depth(&plan, 2.0, 2.0, 2.0), MAX_DEPTH_BIAS, "the length reaches back to the light");
     }
 }

@@ -7,14 +7,15 @@
 //!
 //! ```
 //! use shadow_math::{
-//!     Light, LightKind, MapAccess, Receiver, ShadowSettings, bounds::Aabb, glam::Vec3, plan, visibility,
+//!     Light, LightKind, MapAccess, Receiver, ShadowSettings, bounds::Aabb, fit, glam::Vec3, plan, visibility,
 //! };
 //!
 //! // A sun over a scene of 10 m.
 //! let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.2) }, color: Vec3::ONE, intensity: 80_000.0 };
 //! let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
 //! let mut views = [plan::ViewPlan::default(); plan::MAX_VIEWS_PER_LIGHT];
-//! let light = plan::plan_light(&sun, &[scene], scene, &ShadowSettings::default(), 0, &mut views)?;
+//! let subject = fit::Subject::unseen(&[scene], scene);
+//! let light = plan::plan_light(&sun, &subject, &ShadowSettings::default(), [0, 0], &mut views)?;
 //! assert_eq!(light.view_count, 1);
 //! assert!(views[0].texel_metres[0] < 0.01, "one texel of the map covers about 8 mm");
 //!
@@ -84,6 +85,8 @@ pub mod camera;
 pub mod frustum;
 pub mod convex;
 pub mod polytope;
+pub mod rectangle;
+pub mod splits;
 pub mod light;
 pub mod settings;
 pub mod depth;
@@ -106,5 +109,5 @@ pub mod exposure;
 pub use camera::{Camera, CameraError, Projection};
 pub use light::{Light, LightError, LightKind, LightShape};
 pub use plan::PlanError;
-pub use settings::{Bias, Cascades, Composition, Filter, Fit, Selection, ShadowSettings, Split, SplitScheme, Store, Terminator, Texels};
+pub use settings::{Bias, Cascades, Composition, Filter, Fit, FitFrom, Selection, ShadowSettings, Split, SplitScheme, Store, Terminator, Texels};
 pub use visibility::{MapAccess, Receiver, visibility};

@@ -72,6 +72,18 @@ impl RoundingBound {
         // The receiver's point lies off the caster's plane by this many metres, which shows in depth at the rate of a
         // push along the axis, and in texels at the rate of a step to the side.
         let metres = POINT_ROUNDINGS * UNIT_ROUNDOFF * extent.truncate().length();
+        if view.is_warped {
+            // The quotient rule, with image and depth at most 1: a metre moves them by no more than the rows' own lengths, over w.
+            let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row).truncate().length());
+            return Self {
+                texels,
+                texels_over_w: texels_over_w + metres * 0.5 * size * (x.max(y) + w),
+                depth,
+                depth_over_w: depth_over_w + metres * (z + w),
+                w: w_error,
+                metres: 0.0,
+            };
+        }
         let texel = view.texel_metres[0].min(view.texel_metres[1]);
         let scale = view.depth_scale;
         // For a perspective view the rate is factor / w^2, and at least near of one w divides it: factor / near / w.
@@ -92,7 +104,7 @@ impl RoundingBound {
     /// operations in a map and two at a receiver, each off by u of the range at most, and the receiver's w.
     #[must_use]
     pub fn of_store(mut self, store: Store, view: &ViewFit, is_reversed: bool) -> Self {
-        let is_perspective = view.depth_scale.w_per_metre > 0.0;
+        let is_perspective = view.depth_scale.w_per_metre > 0.0 && !view.is_warped;
         if is_reversed && is_perspective {
             self.depth_over_w += self.depth * view.range.near;
             self.depth = 0.0;

@@ -7,7 +7,7 @@
 
 mod light_camera;
 
-pub use light_camera::{Cascades, DEFAULT_LAMBDA, Fit, MAX_CASCADES, Selection, Split, SplitScheme};
+pub use light_camera::{Cascades, DEFAULT_LAMBDA, Fit, FitFrom, MAX_CASCADES, Selection, Split, SplitScheme};
 
 /// What does a texel remember?
 ///
@@ -370,6 +370,8 @@ pub struct ShadowSettings {
     pub fit: Fit,
     /// How many maps share the view.
     pub split: Split,
+    /// What fits follow.
+    pub fit_from: FitFrom,
     /// The plane of the plane-optimal fit, as `(normal, offset)` with `normal . point + offset = 0`, relative to the scene's origin; the normal is of any length above 0. `None` for the one that is found.
     pub plane: Option<[f32; 4]>,
     /// How far from the camera, along its axis in metres, there are shadows; `None` for as far as anything is seen.
@@ -406,6 +408,7 @@ impl Default for ShadowSettings {
         Self {
             fit: Fit::default(),
             split: Split::default(),
+            fit_from: FitFrom::default(),
             plane: None,
             shadow_distance: None,
             store: Store::default(),

@@ -10,7 +10,8 @@ use crate::{
     filter::{filtered_test, stored_gradient, turn::turn_of_pixel},
     fit::cube_face_of,
     plan::{
-        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light,
+        BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_DISC, FILTER_FOOTPRINT, LightPlan, SELECT_BY_DEPTH, SPLIT_CASCADES,
+        SPLIT_CUBE, ViewPlan, toward_light,
     },
     vector::{row_times_point, row_times_vector, unit_normal},
 };
@@ -85,40 +86,116 @@ fn known(visibility: f32) -> Lookup {
     }
 }
 
-/// What a receiver asks of the maps of a light. `views` are all views of the frame.
+/// Which views a receiver asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// The index of the view, among all views of the frame; [`NO_VIEW`] if no map is asked.
+    pub first: u32,
+    /// The index of the view that it is blended with; looked at where `share` is above 0.
+    pub second: u32,
+    /// How much of the answer is the second view's, from 0 to 1.
+    pub share: f32,
+    /// The answer where no map is asked.
+    pub known: f32,
+}
+
+/// Which views of a light a receiver asks. `views` are all views of the frame.
 ///
-/// The bias may move the lookup away from the receiver, along its normal. Known without a map are: 0 where the surface does not face the light; 1 for a light without views, from which nothing is shadowed, behind the light, nearer than the near plane and outside
+/// Known without a map are: 0 where the surface does not face the light; 1 for a light without views, from which nothing is shadowed, and beyond the distance up to which there are shadows.
+#[inline(always)]
+#[must_use]
+pub fn choose_views(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Choice {
+    let toward = toward_light(light, receiver.point);
+    if !(receiver.normal.dot(toward) > 0.0) {
+        return Choice { first: NO_VIEW, second: NO_VIEW, share: 0.0, known: 0.0 };
+    }
+    if light.view_count == 0 {
+        return Choice { first: NO_VIEW, second: NO_VIEW, share: 0.0, known: 1.0 };
+    }
+    let mut distance = 0.0;
+    if light.split == SPLIT_CASCADES || light.shadow_far < f32::MAX {
+        distance = row_times_point(light.view_distance, receiver.point);
+        if distance > light.shadow_far {
+            return Choice { first: NO_VIEW, second: NO_VIEW, share: 0.0, known: 1.0 };
+        }
+    }
+    let mut choice = Choice { first: light.first_view, second: NO_VIEW, share: 0.0, known: 0.0 };
+    if light.split == SPLIT_CUBE {
+        choice.first += cube_face_of(-toward);
+    }
+    if light.split == SPLIT_CASCADES {
+        let last = light.view_count - 1;
+        let mut cascade = 0;
+        if light.selection == SELECT_BY_DEPTH {
+            while cascade < last && distance > light.split_far[cascade as usize / 4][cascade as usize % 4] {
+                cascade += 1;
+            }
+            let band = light.split_band[cascade as usize / 4][cascade as usize % 4];
+            if band > 0.0 {
+                let rest = light.split_far[cascade as usize / 4][cascade as usize % 4] - distance;
+                choice.share = (1.0 - rest / band).max(0.0);
+            }
+        } else {
+            while cascade < last && !(distance_to_rim(light, &views[(light.first_view + cascade) as usize], receiver.point) >= 0.0)
+            {
+                cascade += 1;
+            }
+            let band = light.split_band[cascade as usize / 4][cascade as usize % 4];
+            if band > 0.0 {
+                let rest = distance_to_rim(light, &views[(light.first_view + cascade) as usize], receiver.point);
+                choice.share = (1.0 - rest / band).max(0.0);
+            }
+        }
+        choice.first += cascade;
+        if choice.share > 0.0 {
+            choice.second = choice.first + 1;
+        }
+    }
+    choice
+}
+
+/// How far a point is from the rim of a view's map, less the guard band, as a share of half the map: 1 in the middle, below 0 in the band and outside. Below 0 behind the light, too.
+#[inline(always)]
+fn distance_to_rim(light: &LightPlan, view: &ViewPlan, point: Vec3) -> f32 {
+    let w = row_times_point(view.clip_w, point);
+    if w <= 0.0 {
+        return -1.0;
+    }
+    let x = row_times_point(view.clip_x, point) / w;
+    let y = row_times_point(view.clip_y, point) / w;
+    // NDC reaches from -1 to 1: half a map is 1.
+    let guard = light.guard_texels * 2.0 / view.rect[2] as f32;
+    (1.0 - x.abs().max(y.abs())) - guard
+}
+
+/// What a receiver asks of the map of a light that it asks first. `views` are all views of the frame.
+///
+/// The bias may move the lookup away from the receiver, along its normal. Known without a map is what [`choose_views`] says, and 1 behind the light, nearer than the near plane and outside
 /// the map. What lies beyond the far plane is compared at the far plane's depth.
 #[inline(always)]
 #[must_use]
 pub fn lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
-    let toward = toward_light(light, receiver.point);
-    if !(receiver.normal.dot(toward) > 0.0) {
-        return known(0.0);
+    let choice = choose_views(light, views, receiver);
+    if choice.first == NO_VIEW {
+        return known(choice.known);
     }
-    if light.view_count == 0 {
-        return known(1.0);
-    }
-    let mut view_index = light.first_view;
-    if light.split == SPLIT_CUBE {
-        view_index += cube_face_of(-toward);
-    }
-    lookup_in_view(light, &views[view_index as usize], view_index, receiver)
+    lookup_in_view(light, &views[choice.first as usize], choice.first, receiver)
 }
 
-/// What a receiver that faces the light asks of one view; the second half of [`lookup`].
+/// What a receiver that faces the light asks of one view.
 #[inline(always)]
 #[must_use]
 pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, receiver: &Receiver) -> Lookup {
     let w = row_times_point(view.clip_w, receiver.point);
-    if w <= 0.0 {
+    if w <= 0.0 || row_times_point(view.half_space, receiver.point) < 0.0 {
         return known(1.0);
     }
     let normal = unit_normal(receiver.normal);
     let footprint = footprint(light, view, receiver, w);
     let needed = needed_depth(light, view, receiver.point, receiver.normal, w, footprint);
     let offset = normal_offset(light, view, receiver.point, normal, needed, w);
-    let mut bias = linear_bias(view, w, depth_bias(light, view, needed, w));
+    let distance = row_times_point(view.distance, receiver.point);
+    let mut bias = linear_bias(view, w, depth_bias(light, view, needed, w, distance));
     if offset > 0.0 {
         bias = 0.0;
     }
@@ -129,7 +206,7 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
         if view.depth_kind == DEPTH_REVERSED {
             slope = -slope;
         }
-        slope_limit = plane_limit(light, view, w);
+        slope_limit = plane_limit(light, view, w, distance);
     }
     let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, w));
     let w = row_times_point(view.clip_w, point);
@@ -176,15 +253,37 @@ pub fn footprint(light: &LightPlan, view: &ViewPlan, receiver: &Receiver, w: f32
 
 /// How much of a light reaches a receiver: from 0, shadowed, to 1, lit.
 ///
-/// `views` are all views of the frame. This is the one function through which every pixel of either renderer goes.
+/// `views` are all views of the frame. In the band between two cascades it is a mean of what both say. This is the one function through which every pixel of either renderer goes.
 #[inline(always)]
 #[must_use]
 pub fn visibility(light: &LightPlan, views: &[ViewPlan], maps: &impl MapAccess, receiver: &Receiver) -> f32 {
-    let mut lookup = lookup(light, views, receiver);
+    let choice = choose_views(light, views, receiver);
+    if choice.first == NO_VIEW {
+        return choice.known;
+    }
+    let first = visibility_in_view(light, views, maps, choice.first, receiver);
+    if choice.share > 0.0 {
+        let second = visibility_in_view(light, views, maps, choice.second, receiver);
+        return first + (second - first) * choice.share;
+    }
+    first
+}
+
+/// How much of a light one of its views says reaches a receiver that faces it.
+#[inline(always)]
+#[must_use]
+pub fn visibility_in_view(
+    light: &LightPlan,
+    views: &[ViewPlan],
+    maps: &impl MapAccess,
+    view_index: u32,
+    receiver: &Receiver,
+) -> f32 {
+    let view = &views[view_index as usize];
+    let mut lookup = lookup_in_view(light, view, view_index, receiver);
     if lookup.view == NO_VIEW {
         return lookup.known;
     }
-    let view = &views[lookup.view as usize];
     if light.bias & BIAS_RECEIVER_GRADIENT != 0 {
         lookup.bias += stored_gradient(maps, view, light, lookup.texel);
     }

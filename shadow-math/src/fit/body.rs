@@ -1,6 +1,6 @@
 //! What there is to be fitted: the convex body of all points that the camera sees and something can shadow.
 
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 
 use super::{LightFrame, MIN_NEAR_SHARE};
 use crate::{
@@ -31,7 +31,7 @@ pub struct Eye<'a> {
     /// Width over height of its picture.
     pub aspect: f64,
     /// Points of the surfaces that it sees, in metres relative to the scene's origin, by which fits are narrowed; none for what the frustum has.
-    pub samples: &'a [glam::Vec3],
+    pub samples: &'a [Vec3],
     /// The largest plane that it sees, as `(normal, offset)` with `normal . point + offset = 0`.
     pub plane: Option<DVec4>,
 }
@@ -82,7 +82,7 @@ pub fn visible_range(eye: &Eye<'_>, bounds: Aabb, shadow_distance: f64) -> Optio
     let row = eye.distance_row();
     let [mut near, mut far] = eye.planes();
     far = far.min(shadow_distance);
-    let mut narrow = |points: &mut dyn Iterator<Item = glam::Vec3>| {
+    let mut narrow = |points: &mut dyn Iterator<Item = Vec3>| {
         let range = points.map(|point| row.dot(point.as_dvec3().extend(1.0)));
         let [least, most] = range.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], d| [least.min(d), most.max(d)]);
         near = near.max(least);
@@ -132,7 +132,53 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
             body.clip(z + DVec4::W * frame.limit);
         }
     }
+    if !eye.samples.is_empty() {
+        clip_to_samples(&mut body, eye, [near, far], frame);
+    }
     body
+}
+
+/// Directions of a light's image in which samples are bounded: eight, of both signs, leave at most a fiftieth of a round outline's width on each side.
+const SAMPLE_DIRECTIONS: usize = 8;
+
+/// Cuts a body by the planes through the light that bound the image of the samples between two distances from the camera. A body without samples becomes empty.
+fn clip_to_samples(body: &mut Polytope, eye: &Eye<'_>, [near, far]: [f64; 2], frame: &LightFrame) {
+    #[cfg(not(feature = "std"))]
+    use crate::float::FloatFuncs;
+    let directions: [DVec2; SAMPLE_DIRECTIONS] = core::array::from_fn(|i| {
+        let angle = core::f64::consts::PI * i as f64 / SAMPLE_DIRECTIONS as f64;
+        DVec2::new(angle.cos(), (core::f64::consts::FRAC_PI_2 - angle).cos())
+    });
+    let (row, view_from_world) = (eye.distance_row(), frame.view_from_world());
+    let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; SAMPLE_DIRECTIONS];
+    for point in eye.samples {
+        let point = point.as_dvec3();
+        let distance = row.dot(point.extend(1.0));
+        let seen = view_from_world.transform_point3(point);
+        let is_reached = !frame.is_perspective || seen.z < 0.0 && frame.image(seen).abs().max_element() <= frame.reach;
+        if distance < near || distance > far || !is_reached {
+            continue;
+        }
+        let image = frame.image(seen);
+        for (range, direction) in ranges.iter_mut().zip(&directions) {
+            let at = direction.dot(image);
+            *range = [range[0].min(at), range[1].max(at)];
+        }
+    }
+    let [x, y, z] = [0, 1, 2].map(|row| view_from_world.row(row));
+    // What an image's coordinate is divided by.
+    let divisor = if frame.is_perspective { -z } else { DVec4::W };
+    for ([least, most], direction) in ranges.into_iter().zip(directions) {
+        if least > most {
+            *body = Polytope::EMPTY;
+            return;
+        }
+        // Single precision, in which samples are given, and in which receivers are computed again.
+        let margin = f64::from(f32::EPSILON) * (least.abs().max(most.abs()));
+        let along = x * direction.x + y * direction.y;
+        body.clip(along - divisor * (least - margin));
+        body.clip(divisor * (most + margin) - along);
+    }
 }
 
 /// The greatest distance of a body's vertices along a light's axis, at most the light's limit.

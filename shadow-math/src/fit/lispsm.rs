@@ -27,7 +27,7 @@ use crate::{bounds::Aabb, depth::DepthScale};
 pub const MAX_WARP_PARAMETER: f64 = 1024.0;
 
 /// The least warp parameter, in sizes of the image: w then grows by a factor of a thousand over it, and single precision keeps four digits of what is far away.
-pub const MIN_WARP_PARAMETER: f64 = 1.0 / 1024.0;
+const MIN_WARP_PARAMETER: f64 = 1.0 / 1024.0;
 
 /// The axis and the parameter of a warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,7 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 /// The view of the image of some points under a warp.
 ///
 /// `points` are those of a convex body in world space, before the light; `eye` is the camera's place; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
-/// [`MIN_WARP_PARAMETER`] and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
+/// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
 #[must_use]
 pub fn lispsm_view(
     frame: &LightFrame,

@@ -1,28 +1,28 @@
 //! Computes a plan in double precision and rounds it once.
 
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 
 use super::data::{
     BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
     BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, CameraPlan, LIGHT_DIRECTIONAL, LIGHT_POINT,
-    LIGHT_SPOT, LightPlan, MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
+    LIGHT_SPOT, LightPlan, PixelRays, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
 };
-use super::error::PlanError;
+use super::{
+    error::PlanError,
+    view::{pixel_rays, rows},
+    views::{plan_views, view_count},
+};
 use crate::{
-    bounds::Aabb,
     camera::Camera,
-    caster::{CASTER_OGRE_2006, CASTER_OGRE_2006_CORRECTED, CASTER_PLAIN, CASTER_POLYGON_OFFSET},
-    depth::{DEPTH_LINEAR, DEPTH_REVERSED, DEPTH_Z_OVER_W, LAYER_FIRST, LAYER_MIDPOINT, LAYER_SECOND},
     exposure::Exposure,
-    filter::{guard_texels, kernel::set_filter},
-    fit::{self, ViewFit},
-    light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
-    rounding::RoundingBound,
+    filter::kernel::set_filter,
+    fit::Subject,
+    light::{Light, LightKind},
     settings::{
-        Bias, BiasParts, Fit, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient,
-        SUBPIXEL_BITS, ShadowSettings, Split, Store, Terminator,
+        Bias, BiasParts, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient,
+        SUBPIXEL_BITS, ShadowSettings, Store, Terminator,
     },
-    spaces::{ClipDepth, texel_from_clip, texel_from_ndc},
+    spaces::ClipDepth,
 };
 
 /// How the camera takes a picture of `width` by `height` pixels with `light_count` lights.
@@ -75,45 +75,30 @@ pub fn plan_camera(
     if is_finite { Ok(plan) } else { Err(PlanError::CameraOverflow) }
 }
 
-/// How many views a light takes under these settings: 1 or 6.
-///
-/// # Errors
-///
-/// [`PlanError::CubeAroundDirection`].
-pub fn view_count(light: &Light, settings: &ShadowSettings) -> Result<usize, PlanError> {
-    Ok(match (light.kind, settings.split) {
-        (LightKind::Directional { .. }, Split::Single) => 1,
-        (LightKind::Directional { .. }, Split::Cube) => return Err(PlanError::CubeAroundDirection),
-        (LightKind::Spot { outer, .. }, Split::Single) if outer <= MAX_SINGLE_MAP_OUTER_ANGLE => 1,
-        (LightKind::Spot { .. } | LightKind::Point { .. }, _) => MAX_VIEWS_PER_LIGHT,
-    })
-}
-
 /// The plan of a light and of its views, which are written to the beginning of `views`.
 ///
-/// `casters` are the bounds of what can cast a shadow, `bounds` those of everything that is drawn, both in metres relative to the
-/// scene's origin. `first_view` is the index that the first view will have in the frame; it is also the view's layer.
+/// `subject` says what casts shadows, what is drawn and who looks at it, all relative to the scene's origin. `first_view` is the index that the first view will have in the frame, and `first_layer` the map array's
+/// first layer that is free: each view that anything is seen in takes one.
 ///
 /// # Errors
 ///
 /// Every [`PlanError`] but those of the camera.
 pub fn plan_light(
     light: &Light,
-    casters: &[Aabb],
-    bounds: Aabb,
+    subject: &Subject<'_>,
     settings: &ShadowSettings,
-    first_view: u32,
+    [first_view, first_layer]: [u32; 2],
     views: &mut [ViewPlan],
 ) -> Result<LightPlan, PlanError> {
     light.validate()?;
-    let ShadowSettings { fit: Fit::Uniform, map_size: size, .. } = *settings;
+    let size = settings.map_size;
     if !(MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(&size) {
         return Err(PlanError::MapSize(size));
     }
     if !SUBPIXEL_BITS.contains(&settings.subpixel_bits) {
         return Err(PlanError::SubpixelBits(settings.subpixel_bits));
     }
-    if bounds.is_empty() {
+    if subject.bounds.is_empty() {
         return Err(PlanError::EmptyBounds);
     }
     let count = view_count(light, settings)?;
@@ -121,32 +106,10 @@ pub fn plan_light(
     let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
     let mut plan = plan_unshadowed_light(light, settings, first_view)?;
     plan.view_count = count as u32;
-    plan.split = if count == 1 { SPLIT_SINGLE } else { SPLIT_CUBE };
     check_store(settings)?;
-    let guard = guard_texels(&plan, settings.bias);
-    // A map has to have texels left within its guard bands.
-    if size <= 2 * guard {
-        return Err(PlanError::MapTooSmallForFilter { size, filter: settings.filter, guard });
-    }
-
-    let limit = f64::from(light.range());
-    match light.kind {
-        LightKind::Directional { direction } => {
-            views[0] = plan_view(&fit::directional_view(direction, bounds, size, guard), bounds, settings, first_view);
-        }
-        LightKind::Spot { position, direction, outer, .. } if count == 1 => {
-            let view = fit::spot_view(position, direction, f64::from(outer), limit, casters, size, guard);
-            views[0] = plan_view(&view, bounds, settings, first_view);
-        }
-        LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
-            let range = fit::range_around_point(position.as_dvec3(), casters, limit);
-            for (face, view) in views.iter_mut().enumerate() {
-                let fit = fit::cube_face_view(position, face, range, size, guard);
-                *view = plan_view(&fit, bounds, settings, first_view + face as u32);
-            }
-        }
-    }
-    if views.iter().all(is_usable_view) { Ok(plan) } else { Err(PlanError::LightOverflow) }
+    plan_views(&mut plan, light, subject, settings, first_layer, views)?;
+    let is_usable = views.iter().all(is_usable_view) && are_finite(&[&plan.view_distance, &[plan.shadow_far]]);
+    if is_usable { Ok(plan) } else { Err(PlanError::LightOverflow) }
 }
 
 /// The plan of a light from which nothing is shadowed: it has no views, and lights whatever faces it.
@@ -159,6 +122,8 @@ pub fn plan_unshadowed_light(light: &Light, settings: &ShadowSettings, first_vie
     let mut plan = LightPlan {
         intensity: (light.color * light.intensity).to_array(),
         cone_offset: 1.0,
+        shadow_far: f32::MAX,
+        split_far: [[f32::MAX; 4]; 2],
         first_view,
         texel_shift: settings.texels.shift(),
         terminator: match settings.terminator {
@@ -211,7 +176,7 @@ fn is_usable_light(plan: &LightPlan) -> bool {
 fn is_usable_view(plan: &ViewPlan) -> bool {
     let [near, far] = plan.depth_range;
     let is_deep = near < far && (plan.w_per_metre == 0.0 || near > 0.0);
-    let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w];
+    let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w, plan.distance, plan.half_space];
     let inverse = [plan.world_from_texel_x, plan.world_from_texel_y, plan.world_from_depth];
     let floats =
         [plan.depth_factor, plan.range_over_near, plan.linear_scale, plan.linear_offset, plan.caster_push, plan.rounding_metres];

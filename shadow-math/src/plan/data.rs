@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 use crate::{
     caster::CASTER_PLAIN,
     depth::{DEPTH_LINEAR, DEPTH_Z_OVER_W, LAYER_FIRST},
+    fit::FitOutcome,
     settings::MAX_CASCADES,
 };
 
@@ -206,7 +207,7 @@ pub struct LightPlan {
     pub view_distance: [f32; 4],
     /// Where each cascade ends, in metres from the camera along its axis: increasing, and `f32::MAX` for cascades that are not there.
     pub split_far: [[f32; 4]; 2],
-    /// Over how many metres before its end each cascade is blended with the next one.
+    /// Over how many metres before its end each cascade is blended with the next one; by containment, over which share of half its map.
     pub split_band: [[f32; 4]; 2],
     /// A separable filter's weights, which are whole numbers, or a disc's places, x and y side by side, in texels.
     pub filter_table: [[f32; 4]; 8],
@@ -293,6 +294,18 @@ pub struct ViewPlan {
 }
 
 impl ViewPlan {
+    /// How the view came about.
+    #[must_use]
+    pub fn outcome(&self) -> FitOutcome {
+        FitOutcome::of_code(self.fit_outcome).unwrap_or_default()
+    }
+
+    /// Whether there is a map: something is seen in it.
+    #[must_use]
+    pub fn has_map(&self) -> bool {
+        self.rect[2] > 0
+    }
+
     /// Whether the map holds the smallest depth that is drawn, as it is drawn: nothing has to be done to it.
     #[must_use]
     pub fn holds_drawn_depth(&self) -> bool {

@@ -3,7 +3,7 @@
 use crate::{
     camera::CameraError,
     light::LightError,
-    settings::{Filter, FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, SUBPIXEL_BITS, Store},
+    settings::{Filter, FilterRadii, Fit, MAX_CASCADES, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, SUBPIXEL_BITS, Store},
 };
 
 /// Why a plan cannot be made.
@@ -74,6 +74,57 @@ pub enum PlanError {
     },
     /// A cube was asked for around a directional light.
     CubeAroundDirection,
+    /// Cascades were asked for where the light takes the six faces of a cube.
+    CascadesOfCube,
+    /// The fit, or the split, depends on who looks, and nobody does.
+    NoCamera,
+    /// The number of cascades is out of range.
+    CascadeCount(u32),
+    /// The practical scheme's parameter is not from 0 to 1.
+    Lambda(f32),
+    /// The padding of cascades, in metres, is negative or not finite.
+    Padding(f32),
+    /// The share of a cascade that is blended with the next one is not from 0 to 1.
+    Blend(f32),
+    /// A distance at which a cascade is to end, in metres, is not above the one before.
+    SplitDistance(f32),
+    /// A fit or splits by what is visible, without samples of it.
+    NoSamples,
+    /// A cascade's map is larger than the maps of the settings, or too small.
+    CascadeMapSize {
+        /// Its size in texels.
+        size: u32,
+        /// The size in texels of the settings' maps.
+        most: u32,
+    },
+    /// The factor of a warp is negative or not finite.
+    LispsmFactor(f32),
+    /// Stabilised cascades have a fit of their own.
+    StabilisedFit(Fit),
+    /// Only cascades of parallel light can stand still.
+    StabilisedLight,
+    /// The maps of stabilised cascades are not a power of two wide.
+    StabilisedMapSize(u32),
+    /// A fit that is for one map alone, in cascades.
+    FitOfCascades(Fit),
+    /// The distance in metres up to which there are shadows is not above 0.
+    ShadowDistance(f32),
+    /// The plane has no normal, or is not finite.
+    Plane([f32; 4]),
+    /// What is stored has no meaning in a warped view.
+    StoreOfFit {
+        /// The fit.
+        fit: Fit,
+        /// What is stored.
+        store: Store,
+    },
+    /// The bias has no meaning in a warped view.
+    BiasOfFit {
+        /// The fit.
+        fit: Fit,
+        /// The part of the bias.
+        bias: &'static str,
+    },
     /// There is nothing that could cast a shadow: the scene's bounds are empty.
     EmptyBounds,
     /// The caller lent too few views.
@@ -181,6 +232,65 @@ impl core::fmt::Display for PlanError {
             Self::CubeAroundDirection => {
                 f.write_str("a directional light has no position that a cube could surround; use a single map for it")
             }
+            Self::CascadesOfCube => f.write_str(
+                "this light takes the six faces of a cube, which cascades do not split further; leave cascades to directional lights and to spot lights of at most 70 degrees",
+            ),
+            Self::NoCamera => f.write_str("this fit or split follows the camera; plan with a camera, or take the uniform fit and a single map"),
+            Self::CascadeCount(count) => {
+                write!(f, "{count} cascades are out of range; choose from 1 to {MAX_CASCADES}")
+            }
+            Self::Lambda(lambda) => write!(
+                f,
+                "a lambda of {lambda} is out of range; it lies between 0 (cascades of one depth) and 1 (each deeper than the one before by the same factor)"
+            ),
+            Self::Padding(metres) => write!(f, "cascades padded by {metres} m make no sense; the length must be finite and at least 0"),
+            Self::Blend(share) => write!(f, "a blend of {share} makes no sense; it is the share of a cascade, from 0 (none) to 1 (all of it)"),
+            Self::SplitDistance(metres) => write!(
+                f,
+                "a cascade cannot end at {metres} m; the distances must be finite, above 0 and increasing"
+            ),
+            Self::NoSamples => f.write_str("fits and splits by samples need the points that the camera sees, and it sees none; draw the camera's pass first, or fit to the frustum"),
+            Self::CascadeMapSize { size, most } => write!(
+                f,
+                "a cascade's map of {size} texels is out of range; choose from {MIN_MAP_SIZE} to the settings' map size, which is {most}"
+            ),
+            Self::LispsmFactor(factor) => write!(
+                f,
+                "a warp's factor of {factor} makes no sense; it must be finite and at least 0 (1 is the best by the paper, more warps less, 0 not at all)"
+            ),
+            Self::StabilisedFit(fit) => write!(
+                f,
+                "stabilised cascades are fitted to spheres, which the fit {} would undo; take the fit uniform, or leave stabilisation out",
+                fit.name()
+            ),
+            Self::StabilisedLight => f.write_str("only cascades of a directional light can stand still: light from a place spreads, and its texels with it"),
+            Self::StabilisedMapSize(size) => {
+                let below = 1_u32 << size.max(&1).ilog2();
+                write!(
+                    f,
+                    "stabilised cascades need maps of a power of two, so that whole texels are exact, and {size} is none; take {below} or {}",
+                    below.saturating_mul(2)
+                )
+            }
+            Self::FitOfCascades(fit) => write!(f, "the fit {} makes one map of all that is seen, which cascades split; take another fit, or one map", fit.name()),
+            Self::ShadowDistance(metres) => write!(f, "shadows up to {metres} m from the camera make no sense; the distance must be finite and above 0"),
+            Self::Plane(plane) => write!(
+                f,
+                "the plane {},{},{},{} has no normal, or is not finite; give nx,ny,nz,d with nx x + ny y + nz z + d = 0, such as 0,1,0,0 for the floor y = 0",
+                plane[0], plane[1], plane[2], plane[3]
+            ),
+            Self::StoreOfFit { fit, store } => {
+                let why = match store {
+                    Store::Linear => "keeps the distance along a view's axis, which a warped view's w is not",
+                    _ => "has steps of centimetres there, for most of its range lies between the light and the highest caster",
+                };
+                write!(f, "the store {} {why}; take depth32 or reversed32, or another fit than {}", store.name(), fit.name())
+            }
+            Self::BiasOfFit { fit, bias } => write!(
+                f,
+                "the bias {bias} pushes casters along a view's axis, which the fit {} warps; take another bias, or another fit",
+                fit.name()
+            ),
             Self::EmptyBounds => f.write_str("the scene's bounds are empty, so there is nothing to fit a shadow map to"),
             Self::Views { needed, given } => write!(f, "the light needs {needed} views, but only {given} were lent"),
             Self::PictureSize { width, height } => {

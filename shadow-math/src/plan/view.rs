@@ -14,8 +14,10 @@ use crate::{
 };
 
 /// Rounds a light's camera to the plan's precision.
-fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32) -> ViewPlan {
-    let (size, store) = (settings.map_size, settings.store);
+///
+/// A view in which nothing is seen has an empty rectangle: it is not drawn, and has no layer.
+pub(super) fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32) -> ViewPlan {
+    let (size, store) = (view.size, settings.store);
     let depth_kind = match store {
         Store::Reversed32 => DEPTH_REVERSED,
         // An orthographic view's w is 1 everywhere, and its z / w is the distance.
@@ -37,8 +39,6 @@ fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32
     let of_linear = |number: f64| if is_linear { number as f32 } else { 0.0 };
     let [clip_x, clip_y, clip_z, clip_w] = rows(clip_from_world);
 
-    let world_from_view = view.view_from_world.inverse();
-    let half_extent = DVec2::from(view.texel_metres) * 0.5 * extent;
     ViewPlan {
         clip_x,
         clip_y,
@@ -47,14 +47,7 @@ fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32
         world_from_texel_x: rounded(world_from_texel.x_axis),
         world_from_texel_y: rounded(world_from_texel.y_axis),
         world_from_depth: rounded(world_from_texel.z_axis),
-        rays: pixel_rays(
-            world_from_view.w_axis.truncate(),
-            world_from_view.x_axis.truncate(),
-            world_from_view.y_axis.truncate(),
-            half_extent,
-            extent,
-            view.depth_scale.w_per_metre > 0.0,
-        ),
+        rays: texel_rays(view, world_from_texel),
         texel_scale: texel_scale.as_vec2().to_array(),
         texel_offset: texel_offset.as_vec2().to_array(),
         rounding_texels: [rounding.texels as f32, rounding.texels_over_w as f32],
@@ -76,7 +69,11 @@ fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings, layer: u32
         linear_scale: of_linear(1.0 / range),
         linear_offset: of_linear(-near / range),
         snap_texels: half_step(settings.subpixel_bits),
-        rect: [0, 0, size, size],
+        is_warped: u32::from(view.is_warped),
+        fit_outcome: view.outcome.code(),
+        distance: if view.is_warped { rounded(view.distance_row()) } else { clip_w },
+        half_space: rounded(view.half_space),
+        rect: if view.outcome == FitOutcome::NothingVisible { [0; 4] } else { [0, 0, size, size] },
         ..caster_of(settings.bias, view)
     }
 }
@@ -110,9 +107,38 @@ fn caster_of(bias: Bias, view: &ViewFit) -> ViewPlan {
     }
 }
 
+/// The rays of light through the texels of a view, in the order of [`PixelRays`].
+///
+/// A texel's column of points is the image of a line through the light. Its point of depth 0 is linear in the texel's coordinates, homogeneous: parallel light has that as its origin, to be divided by its fourth
+/// component; light from a place has the vector from there to it, which is linear too, and as long as it is deep where nothing is warped.
+fn texel_rays(view: &ViewFit, world_from_texel: DMat4) -> PixelRays {
+    let light = view.light();
+    let [dx, dy, corner] = [world_from_texel.x_axis, world_from_texel.y_axis, world_from_texel.w_axis];
+    let padded = |v: DVec3| rounded(v.extend(0.0));
+    if view.depth_scale.w_per_metre > 0.0 {
+        // The vector from the light to a homogeneous point, times the point's own w; depth 0 of a reversed view is far away.
+        let position = light.truncate() / light.w;
+        let from_light = |point: DVec4| padded(point.truncate() - position * point.w);
+        return PixelRays {
+            origin: padded(position),
+            direction: from_light(corner),
+            direction_dx: from_light(dx),
+            direction_dy: from_light(dy),
+            ..PixelRays::default()
+        };
+    }
+    PixelRays {
+        origin: rounded(corner),
+        origin_dx: rounded(dx),
+        origin_dy: rounded(dy),
+        direction: padded(-light.truncate()),
+        ..PixelRays::default()
+    }
+}
+
 /// The rays of a view from its pose: `right` and `up` are unit vectors, `half_extent` half the width and height of the image in
 /// metres (at a distance of 1 m if `perspective`), `size` its extent in pixels.
-fn pixel_rays(eye: DVec3, right: DVec3, up: DVec3, half_extent: DVec2, size: DVec2, perspective: bool) -> PixelRays {
+pub(super) fn pixel_rays(eye: DVec3, right: DVec3, up: DVec3, half_extent: DVec2, size: DVec2, perspective: bool) -> PixelRays {
     let forward = up.cross(right);
     let dx = right * (2.0 * half_extent.x / size.x);
     // Rows count downward.
@@ -142,13 +168,13 @@ fn pixel_rays(eye: DVec3, right: DVec3, up: DVec3, half_extent: DVec2, size: DVe
 }
 
 /// The rows of a matrix, rounded.
-fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
+pub(super) fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
     let transposed = matrix.transpose();
     [transposed.x_axis, transposed.y_axis, transposed.z_axis, transposed.w_axis].map(rounded)
 }
 
 /// Rounds each component to the nearest f32.
-fn rounded(v: DVec4) -> [f32; 4] {
+pub(super) fn rounded(v: DVec4) -> [f32; 4] {
     v.as_vec4().to_array()
 }
 

@@ -51,6 +51,18 @@ impl Fit {
     }
 }
 
+/// What do fits follow?
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum FitFrom {
+    /// All that the camera could see: its frustum, within the scene's bounds.
+    #[default]
+    Frustum,
+    /// What it does see: the points of its pixels (Lauritzen, Salvi and Lefohn, "Sample Distribution Shadow Maps", 2011).
+    Samples,
+}
+
 /// How many maps share the view?
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]

@@ -1,0 +1,455 @@
+//! The views of one light: which there are, and what each is fitted to.
+
+use glam::{DVec3, DVec4};
+
+use super::{
+    data::{LightPlan, SELECT_BY_CONTAINMENT, SELECT_BY_DEPTH, SPLIT_CASCADES, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan},
+    error::PlanError,
+    view::{plan_view, rounded},
+};
+use crate::{
+    filter::guard_texels,
+    fit::{
+        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreSetup, Subject, ViewFit,
+        boxed_view, focused_view, lispsm_view, ogre_uniform_view, ogre_warp, optimal_warp, plane_depth_factor, plane_optimal,
+        stabilised_view, visible_body, visible_range,
+    },
+    light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
+    settings::{Cascades, Fit, FitFrom, MAX_CASCADES, MIN_MAP_SIZE, Selection, ShadowSettings, Split, SplitScheme, Store},
+    splits::{histogram_bin, practical_split, quantile_splits},
+};
+
+/// How many views a light takes under these settings: 1, 6, or one for each cascade.
+///
+/// # Errors
+///
+/// [`PlanError::CubeAroundDirection`], [`PlanError::CascadesOfCube`] and [`PlanError::CascadeCount`].
+pub fn view_count(light: &Light, settings: &ShadowSettings) -> Result<usize, PlanError> {
+    let takes_cube = match light.kind {
+        // OGRE's default setup has one map for any light.
+        _ if settings.fit == Fit::OgreUniform && settings.split == Split::Single => false,
+        LightKind::Directional { .. } => false,
+        LightKind::Spot { outer, .. } => outer > MAX_SINGLE_MAP_OUTER_ANGLE,
+        LightKind::Point { .. } => true,
+    };
+    match settings.split {
+        Split::Single if takes_cube => Ok(CUBE_FACES.len()),
+        Split::Single => Ok(1),
+        Split::Cube if light.position().is_none() => Err(PlanError::CubeAroundDirection),
+        Split::Cube => Ok(CUBE_FACES.len()),
+        Split::Cascades(_) if takes_cube => Err(PlanError::CascadesOfCube),
+        Split::Cascades(Cascades { count, .. }) => {
+            let count_usize = count as usize;
+            if (1..=MAX_CASCADES).contains(&count_usize) { Ok(count_usize) } else { Err(PlanError::CascadeCount(count)) }
+        }
+    }
+}
+
+/// Fits a light's views and writes them, and what receivers need to choose among them.
+pub(super) fn plan_views(
+    plan: &mut LightPlan,
+    light: &Light,
+    subject: &Subject<'_>,
+    settings: &ShadowSettings,
+    first_layer: u32,
+    views: &mut [ViewPlan],
+) -> Result<(), PlanError> {
+    check_fit(light, settings)?;
+    let guard = guard_texels(plan, settings.bias);
+    plan.guard_texels = guard as f32;
+    if let Some(metres) = settings.shadow_distance {
+        if !(metres.is_finite() && metres > 0.0) {
+            return Err(PlanError::ShadowDistance(metres));
+        }
+        plan.shadow_far = metres;
+    }
+    if let Some(eye) = subject.eye {
+        eye.camera.validate()?;
+        if settings.fit_from == FitFrom::Samples && eye.samples.is_empty() {
+            return Err(PlanError::NoSamples);
+        }
+        plan.view_distance = rounded(eye.distance_row());
+    } else if plan.shadow_far < f32::MAX || matches!(settings.split, Split::Cascades(_)) || settings.fit != Fit::Uniform {
+        return Err(PlanError::NoCamera);
+    }
+    let fitting = Fitting { light, subject, settings, guard };
+    plan.split = match (settings.split, views.len()) {
+        (Split::Cascades(_), _) => SPLIT_CASCADES,
+        (_, 1) => SPLIT_SINGLE,
+        _ => SPLIT_CUBE,
+    };
+    let mut layer = first_layer;
+    let mut write = |view: &mut ViewPlan, fit: &ViewFit| {
+        *view = plan_view(fit, subject.bounds, settings, layer);
+        layer += u32::from(fit.outcome != FitOutcome::NothingVisible);
+    };
+    match settings.split {
+        Split::Cascades(cascades) => {
+            let ends = fitting.cascade_ends(&cascades)?;
+            fitting.set_selection(plan, &cascades, &ends);
+            for (cascade, view) in views.iter_mut().enumerate() {
+                let size = fitting.map_size_of(&cascades, cascade)?;
+                fitting.check_size(size)?;
+                let slice = fitting.padded_slice(plan, &cascades, &ends, cascade);
+                write(view, &fitting.cascade(&cascades, cascade, slice, size)?);
+            }
+        }
+        _ => {
+            fitting.check_size(settings.map_size)?;
+            let count = views.len();
+            for (face, view) in views.iter_mut().enumerate() {
+                write(view, &fitting.whole(if count == 1 { None } else { Some(face) })?);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether fit, store, bias and light go together.
+fn check_fit(light: &Light, settings: &ShadowSettings) -> Result<(), PlanError> {
+    if let Some(plane) = settings.plane {
+        let normal = DVec3::new(f64::from(plane[0]), f64::from(plane[1]), f64::from(plane[2]));
+        if !(plane.iter().all(|number| number.is_finite()) && normal.length_squared() > 0.0) {
+            return Err(PlanError::Plane(plane));
+        }
+    }
+    let mut fits = [Some(settings.fit), None, None, None, None, None, None, None, None];
+    if let Split::Cascades(cascades) = settings.split {
+        if !(cascades.padding.is_finite() && cascades.padding >= 0.0) {
+            return Err(PlanError::Padding(cascades.padding));
+        }
+        if !(0.0..=1.0).contains(&cascades.blend) {
+            return Err(PlanError::Blend(cascades.blend));
+        }
+        if let Some(&factor) = cascades.lispsm_factors.iter().find(|factor| !(factor.is_finite() && **factor >= 0.0)) {
+            return Err(PlanError::LispsmFactor(factor));
+        }
+        fits[1..].copy_from_slice(&cascades.fits);
+        if cascades.stabilised {
+            if light.position().is_some() {
+                return Err(PlanError::StabilisedLight);
+            }
+            if let Some(fit) = fits.into_iter().flatten().find(|fit| *fit != Fit::Uniform) {
+                return Err(PlanError::StabilisedFit(fit));
+            }
+        }
+        let is_whole = |fit: &Fit| matches!(fit, Fit::PlaneOptimal | Fit::OgreUniform);
+        if let Some(fit) = fits.into_iter().flatten().find(is_whole) {
+            return Err(PlanError::FitOfCascades(fit));
+        }
+    }
+    for fit in fits.into_iter().flatten().filter(|fit| fit.is_warped()) {
+        let store = settings.store;
+        let is_coarse = fit == Fit::PlaneOptimal && store == Store::Depth16;
+        if store == Store::Linear || is_coarse {
+            return Err(PlanError::StoreOfFit { fit, store });
+        }
+        if let crate::Bias::Parts(crate::settings::BiasParts { ogre_2006: Some(_), .. }) = settings.bias {
+            return Err(PlanError::BiasOfFit { fit, bias: "ogre-2006" });
+        }
+    }
+    Ok(())
+}
+
+/// What the views of one light are made from.
+struct Fitting<'a> {
+    light: &'a Light,
+    subject: &'a Subject<'a>,
+    settings: &'a ShadowSettings,
+    guard: u32,
+}
+
+/// What is fitted of a camera's view.
+#[derive(Clone, Copy)]
+struct Slice {
+    /// Between which distances along the camera's axis, in metres.
+    range: [f64; 2],
+    /// The map's size in texels.
+    size: u32,
+    /// What the best warp's parameter is multiplied by; 0 for no warp.
+    lispsm_factor: f64,
+    /// The camera's near and far distances as OGRE's warp takes them: 0 for no far plane.
+    ogre_planes: [f64; 2],
+}
+
+/// Where cascades begin and end, in metres from the camera along its axis: one number more than there are cascades.
+type Ends = [f64; MAX_CASCADES + 1];
+
+impl Fitting<'_> {
+    /// Whether a map of this size has texels left within its guard bands.
+    fn check_size(&self, size: u32) -> Result<(), PlanError> {
+        // Stabilised cascades take a texel more, by which they are moved.
+        if size <= 2 * self.guard + 1 {
+            return Err(PlanError::MapTooSmallForFilter { size, filter: self.settings.filter, guard: self.guard });
+        }
+        Ok(())
+    }
+
+    /// The camera; an error where there is none.
+    fn eye(&self) -> Result<&Eye<'_>, PlanError> {
+        self.subject.eye.as_ref().ok_or(PlanError::NoCamera)
+    }
+
+    /// What bodies are made from: the camera, with its samples if fits follow them.
+    fn fitted<'e>(&self, eye: &Eye<'e>) -> Eye<'e> {
+        match self.settings.fit_from {
+            FitFrom::Samples => *eye,
+            FitFrom::Frustum => Eye { samples: &[], ..*eye },
+        }
+    }
+
+    /// The distance up to which there are shadows, in metres.
+    fn shadow_distance(&self) -> f64 {
+        self.settings.shadow_distance.map_or(f64::INFINITY, f64::from)
+    }
+
+    /// The light's frame, or that of a face of the cube around it.
+    fn frame(&self, face: Option<usize>) -> LightFrame {
+        #[cfg(not(feature = "std"))]
+        use crate::float::FloatFuncs;
+        let limit = f64::from(self.light.range());
+        match (self.light.kind, face) {
+            (LightKind::Directional { direction }, _) => LightFrame::parallel(direction),
+            (LightKind::Spot { position, direction, outer, .. }, None) => {
+                LightFrame::perspective(position, direction.as_dvec3(), f64::from(outer).tan(), limit)
+            }
+            (LightKind::Spot { position, .. } | LightKind::Point { position, .. }, face) => {
+                LightFrame::perspective(position, CUBE_FACES[face.unwrap_or(0)], 1.0, limit)
+            }
+        }
+    }
+
+    /// The uniform view: all that the light reaches.
+    fn uniform(&self, face: Option<usize>) -> ViewFit {
+        let (size, guard) = (self.settings.map_size, self.guard);
+        let Subject { casters, bounds, .. } = *self.subject;
+        let limit = f64::from(self.light.range());
+        match (self.light.kind, face) {
+            (LightKind::Directional { direction }, _) => fit::directional_view(direction, bounds, size, guard),
+            (LightKind::Spot { position, direction, outer, .. }, None) => {
+                fit::spot_view(position, direction, f64::from(outer), limit, casters, size, guard)
+            }
+            (LightKind::Spot { position, .. } | LightKind::Point { position, .. }, face) => {
+                let range = fit::range_around_point(position.as_dvec3(), casters, limit);
+                fit::cube_face_view(position, face.unwrap_or(0), range, size, guard)
+            }
+        }
+    }
+
+    /// A view of all that the camera sees, in one map or one face of a cube.
+    fn whole(&self, face: Option<usize>) -> Result<ViewFit, PlanError> {
+        let fit = self.settings.fit;
+        if fit == Fit::Uniform {
+            return Ok(self.uniform(face));
+        }
+        let eye = self.eye()?;
+        let size = self.settings.map_size;
+        let Some(range) = visible_range(&self.fitted(eye), self.subject.bounds, self.shadow_distance()) else {
+            return Ok(ViewFit { outcome: FitOutcome::NothingVisible, ..self.uniform(face) });
+        };
+        let frame = self.frame(face);
+        match fit {
+            Fit::PlaneOptimal => Ok(self.plane_optimal(eye, &frame, range).unwrap_or_else(|why| {
+                self.uniform(face).in_place_of_another(why)
+            })),
+            Fit::OgreUniform => {
+                let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
+                Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, size))
+            }
+            _ => {
+                let [near, far] = eye.planes();
+                let ogre_planes = [near, if far.is_finite() { far } else { 0.0 }];
+                let slice = Slice { range, size, lispsm_factor: 1.0, ogre_planes };
+                Ok(self.of_slice(fit, &frame, slice, || self.uniform(face)))
+            }
+        }
+    }
+
+    /// The view of what is seen between two distances, by one of the fits that follow a body.
+    fn of_slice(
+        &self,
+        fit: Fit,
+        frame: &LightFrame,
+        slice: Slice,
+        uniform: impl FnOnce() -> ViewFit,
+    ) -> ViewFit {
+        let Slice { range, size, lispsm_factor, ogre_planes } = slice;
+        let Some(eye) = &self.subject.eye else { return uniform() };
+        let body = visible_body(&self.fitted(eye), range, self.subject, frame);
+        let (points, casters) = (body.vertices(), self.subject.casters);
+        if points.is_empty() {
+            return ViewFit { outcome: FitOutcome::NothingVisible, ..uniform() };
+        }
+        let view = match fit {
+            Fit::Focused => Ok(focused_view(frame, points, casters, size, self.guard)),
+            Fit::Lispsm | Fit::OgreLispsm => {
+                let optimal = optimal_warp(frame, eye, points);
+                optimal.map(|warp| {
+                    let parameter = if fit == Fit::OgreLispsm {
+                        ogre_parameter(frame, eye, points, ogre_planes)
+                    } else if lispsm_factor == 0.0 {
+                        f64::INFINITY
+                    } else {
+                        warp.parameter * lispsm_factor
+                    };
+                    lispsm_view(frame, eye.camera.eye, LispsmWarp { parameter, ..warp }, points, casters, size, self.guard)
+                })
+            }
+            _ => Ok(boxed_view(frame, points, casters, size, self.guard)),
+        };
+        view.unwrap_or_else(|why| uniform().in_place_of_another(why))
+    }
+
+    /// The plane-optimal view.
+    fn plane_optimal(&self, eye: &Eye<'_>, frame: &LightFrame, range: [f64; 2]) -> Result<ViewFit, FallBack> {
+        let given = self.settings.plane.map(|plane| DVec4::from_array(plane.map(f64::from)));
+        let plane = given.or(eye.plane).ok_or(FallBack::NoPlane)?;
+        let rows = plane_optimal(eye, plane, frame.light())?;
+        if !rows.is_seen(eye, range) {
+            return Err(FallBack::PlaneOutOfView);
+        }
+        Ok(rows.view(eye, plane_depth_factor(&rows, self.subject.casters), self.settings.map_size))
+    }
+
+    /// Where cascades begin and end.
+    fn cascade_ends(&self, cascades: &Cascades) -> Result<Ends, PlanError> {
+        let eye = self.eye()?;
+        let bounds = self.subject.bounds;
+        let [near, far] = if cascades.stabilised {
+            // Whatever the camera looks at: the distances must not change with its pose.
+            let [near, far] = eye.planes();
+            let widest = 2.0 * f64::from(bounds.radius());
+            [near, far.min(self.shadow_distance()).min(widest.max(near * 2.0))]
+        } else {
+            visible_range(&self.fitted(eye), bounds, self.shadow_distance()).unwrap_or([eye.planes()[0], eye.planes()[0] * 2.0])
+        };
+        // A split by factors begins somewhere above 0.
+        let near = near.max(far * MIN_NEAR_OF_SPLIT);
+        let count = cascades.count as usize;
+        let mut ends = [far; MAX_CASCADES + 1];
+        ends[0] = near;
+        match cascades.scheme {
+            SplitScheme::Explicit(given) => {
+                let mut before = 0.0;
+                for (end, &metres) in ends[1..count].iter_mut().zip(&given) {
+                    if !(metres.is_finite() && metres > before) {
+                        return Err(PlanError::SplitDistance(metres));
+                    }
+                    before = metres;
+                    *end = f64::from(metres).clamp(near, far);
+                }
+            }
+            SplitScheme::Histogram => {
+                if eye.samples.is_empty() {
+                    return Err(PlanError::NoSamples);
+                }
+                let row = eye.distance_row();
+                let mut histogram = [0; HISTOGRAM_BINS];
+                for point in eye.samples {
+                    let distance = row.dot(point.as_dvec3().extend(1.0));
+                    histogram[histogram_bin(distance, near, far, HISTOGRAM_BINS)] += 1;
+                }
+                quantile_splits(&histogram, near, far, &mut ends[..=count]);
+            }
+            scheme => {
+                let lambda = match scheme {
+                    SplitScheme::Uniform => 0.0,
+                    SplitScheme::Practical(lambda) => lambda,
+                    _ => 1.0,
+                };
+                if !(0.0..=1.0).contains(&lambda) {
+                    return Err(PlanError::Lambda(lambda));
+                }
+                for (i, end) in ends[..=count].iter_mut().enumerate() {
+                    *end = practical_split(near, far, f64::from(lambda), i, count);
+                }
+            }
+        }
+        Ok(ends)
+    }
+
+    /// Writes how receivers choose among cascades.
+    fn set_selection(&self, plan: &mut LightPlan, cascades: &Cascades, ends: &Ends) {
+        let count = cascades.count as usize;
+        plan.selection = match cascades.selection {
+            Selection::Depth => SELECT_BY_DEPTH,
+            Selection::Containment => SELECT_BY_CONTAINMENT,
+        };
+        for cascade in 0..count {
+            let [begin, end] = [ends[cascade], ends[cascade + 1]];
+            plan.split_far[cascade / 4][cascade % 4] = end as f32;
+            let is_last = cascade + 1 == count;
+            let band = match cascades.selection {
+                Selection::Depth => f64::from(cascades.blend) * (end - begin),
+                Selection::Containment => f64::from(cascades.blend),
+            };
+            plan.split_band[cascade / 4][cascade % 4] = if is_last { 0.0 } else { band as f32 };
+        }
+        // The last cascade has whatever is beyond its end by rounding, up to where shadows end.
+        plan.split_far[(count - 1) / 4][(count - 1) % 4] = f32::MAX;
+    }
+
+    /// The distances that a cascade covers: its own, the padding on both sides, and what the one before is blended over.
+    fn padded_slice(&self, plan: &LightPlan, cascades: &Cascades, ends: &Ends, cascade: usize) -> [f64; 2] {
+        let padding = f64::from(cascades.padding);
+        let band = match (cascades.selection, cascade) {
+            (_, 0) => 0.0,
+            (Selection::Depth, _) => f64::from(plan.split_band[(cascade - 1) / 4][(cascade - 1) % 4]),
+            // Beside the rim of the map before it a cascade can be asked for any point that the first one has.
+            (Selection::Containment, _) if cascades.blend > 0.0 => f64::INFINITY,
+            (Selection::Containment, _) => 0.0,
+        };
+        let begin = ends[cascade] - padding.max(band);
+        [begin.max(ends[0]) * (1.0 - SPLIT_MARGIN), (ends[cascade + 1] + padding) * (1.0 + SPLIT_MARGIN)]
+    }
+
+    /// The size of a cascade's map in texels.
+    fn map_size_of(&self, cascades: &Cascades, cascade: usize) -> Result<u32, PlanError> {
+        let most = self.settings.map_size;
+        match cascades.map_sizes[cascade] {
+            0 => Ok(most),
+            size if (MIN_MAP_SIZE..=most).contains(&size) => Ok(size),
+            size => Err(PlanError::CascadeMapSize { size, most }),
+        }
+    }
+
+    /// One cascade.
+    fn cascade(&self, cascades: &Cascades, cascade: usize, slice: [f64; 2], size: u32) -> Result<ViewFit, PlanError> {
+        let frame = self.frame(None);
+        let eye = self.eye()?;
+        if cascades.stabilised {
+            if !size.is_power_of_two() {
+                return Err(PlanError::StabilisedMapSize(size));
+            }
+            let sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
+            return Ok(stabilised_view(&frame, eye, sphere, self.subject, size, self.guard));
+        }
+        let fit = cascades.fits[cascade].unwrap_or(self.settings.fit);
+        let boxed = || {
+            let body = visible_body(&self.fitted(eye), slice, self.subject, &frame);
+            boxed_view(&frame, body.vertices(), self.subject.casters, size, self.guard)
+        };
+        let factor = f64::from(cascades.lispsm_factors[cascade]);
+        let slice = Slice { range: slice, size, lispsm_factor: factor, ogre_planes: slice };
+        Ok(self.of_slice(fit, &frame, slice, boxed))
+    }
+}
+
+/// By what share of themselves a cascade's distances are widened: receivers choose in single precision.
+const SPLIT_MARGIN: f64 = 1e-6;
+
+/// The bins of a histogram of distances, each a hundredth part deeper than the one before at a range of ten to one.
+const HISTOGRAM_BINS: usize = 256;
+
+/// The least distance at which the first cascade begins, as a share of where the last one ends.
+const MIN_NEAR_OF_SPLIT: f64 = 1e-6;
+
+/// The warp parameter that OGRE takes by itself.
+fn ogre_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], planes: [f64; 2]) -> f64 {
+    /// OGRE's adjustment by default.
+    const ADJUST: f64 = 0.1;
+    let row = eye.distance_row();
+    let nearest = points.iter().map(|point| row.dot(point.extend(1.0))).fold(f64::INFINITY, f64::min);
+    let cosine = eye.axis().dot(frame.rotation * DVec3::NEG_Z).abs();
+    ogre_warp(nearest, planes, ADJUST, cosine)
+}
