@@ -342,11 +342,8 @@ impl SeenLight<'_> {
         let linear = view.depth_kind == DEPTH_LINEAR;
         let along = if linear {
             found.bias / view.linear_scale
-        } else if view.w_per_metre == 0.0 {
-            found.bias / view.depth_factor
         } else {
-            // The inverse of `depth = factor m / (w (w - m))`.
-            found.bias * w * w / (view.depth_factor + found.bias * w)
+            view.metres_of_depth(receiver.point.as_dvec3(), f64::from(found.bias)) as f32
         };
         moved + along
     }

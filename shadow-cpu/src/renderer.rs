@@ -7,8 +7,8 @@ use std::{
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use shadow_math::{
-    depth::LAYER_FIRST,
-    plan::{COMPOSE_FACTOR, CameraPlan},
+    depth::{DEPTH_REVERSED, LAYER_FIRST},
+    plan::{COMPOSE_FACTOR, CameraPlan, ViewPlan},
 };
 use shadow_scene::{
     Frame, FramePlan, Layer, LayerName, LightPasses, NO_TRIANGLE, Pass, Pixels, Request, Scene, StageTimes, Surfaces,
@@ -20,7 +20,7 @@ use crate::{
         Culling, Drawing, MAX_TARGET_SIZE, Positions, RasterRules, Run, Scratch, Target, rasterize_depth, rasterize_second,
         rasterize_stored, rasterize_visibility,
     },
-    resolve::{Resolved, SceneAlphaTest, SceneView, ShadingVertices, ShadowMaps, resolve, resolve_color},
+    resolve::{Resolved, SceneAlphaTest, SceneView, ShadingVertices, ShadowMaps, ViewTest, resolve, resolve_color},
 };
 
 /// Why the CPU renderer cannot do what was asked for.
@@ -153,12 +153,18 @@ impl CpuRenderer {
         let size = plan.map_size;
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let scratch = &mut *scratch;
-        let layers = plan.views.iter().enumerate().map(|(index, view)| {
-            let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: size, height: size };
-            let alpha_test = SceneAlphaTest { view: prepared.view(), rays: &view.rays };
+        let with_maps = plan.views.iter().enumerate().filter(|(_, view)| view.has_map());
+        let layers = with_maps.map(|(index, view)| {
+            let [_, _, width, height] = view.rect;
+            let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width, height };
+            let alpha_test = ViewTest { view: prepared.view(), plan: view };
             let culling = if plan.takes_back_faces(index) { Culling::Front } else { Culling::None };
-            let runs = runs(prepared.scene, culling, Pass::casts_shadows);
-            let texels = size as usize * size as usize;
+            let mut runs = runs(prepared.scene, culling, Pass::casts_shadows);
+            if view.has_half_space() {
+                // Every caster is tested at each texel, for the side that it lies on.
+                runs.iter_mut().for_each(|run| run.is_masked = true);
+            }
+            let texels = width as usize * height as usize;
             let mut depth = self.floats.take(texels);
             let (positions, triangles, rules) = (&prepared.positions, prepared.scene.triangles(), &self.rules);
             let drawing = Drawing { positions, triangles, runs: &runs, target: &target, rules };
@@ -173,9 +179,20 @@ impl CpuRenderer {
                     rasterize_second(scratch, drawing, &alpha_test, view, &first, &mut depth);
                 }
             });
-            depth
+            if width == size { depth } else { self.within_layer(depth, view, size) }
         });
         ShadowMaps { size, layers: layers.collect() }
+    }
+
+    /// A map that is smaller than its layer, in it: the rest holds what a map does in which nothing was drawn.
+    fn within_layer(&self, map: Buffer<f32>, view: &ViewPlan, size: u32) -> Buffer<f32> {
+        let mut layer = self.floats.take(size as usize * size as usize);
+        layer.fill(if view.depth_kind == DEPTH_REVERSED { 0.0 } else { 1.0 });
+        let rows = layer.chunks_exact_mut(size as usize).zip(map.chunks_exact(view.rect[2] as usize));
+        for (row, texels) in rows {
+            row[..texels.len()].copy_from_slice(texels);
+        }
+        layer
     }
 
     /// Renders what the camera sees.
@@ -351,12 +368,8 @@ fn into_frame(plan: &FramePlan, request: Request, drawn: Drawn) -> Frame {
         layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(camera.depth.into_vec()) });
     }
     if request.shadow_maps {
-        let mut maps_layers = maps.layers.into_iter();
-        for (light, light_plan) in plan.lights.iter().enumerate() {
-            for (view, depth) in maps_layers.by_ref().take(light_plan.view_count as usize).enumerate() {
-                let name = LayerName::ShadowMap { light: light as u32, view: view as u32 };
-                layers.push(Layer { name, width: maps.size, height: maps.size, pixels: Pixels::Float(depth.into_vec()) });
-            }
+        for ((name, _), depth) in plan.maps().zip(maps.layers) {
+            layers.push(Layer { name, width: maps.size, height: maps.size, pixels: Pixels::Float(depth.into_vec()) });
         }
     }
     if request.visibility {

@@ -4,10 +4,12 @@
 
 use rayon::prelude::*;
 use shadow_math::{
+    caster::texel_ray,
     material::FLAG_MASK,
-    plan::{COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, PixelRays, TERMINATOR_SOFT},
+    plan::{COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, PixelRays, TERMINATOR_SOFT, ViewPlan},
     shade::BACKGROUND,
     triangle::pixel_ray,
+    vector::row_times_point,
     visibility::MapAccess,
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, Surfaces};
@@ -56,7 +58,7 @@ pub struct SceneView<'a> {
     pub(crate) vertices: &'a ShadingVertices,
 }
 
-/// The alpha test of a scene's masked triangles, for the rays of one camera or light.
+/// The alpha test of a scene's masked triangles, for the rays of a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneAlphaTest<'a> {
     /// The scene.
@@ -75,6 +77,27 @@ impl AlphaTest for SceneAlphaTest<'_> {
         let ray = pixel_ray(self.rays, x as f32 + 0.5, y as f32 + 0.5);
         let hit = scene.point(triangle, ray);
         surfaces.color(scene, triangle, hit.u, hit.v).w >= material.alpha_cutoff
+    }
+}
+
+/// What casters are tested by at the texels of a view: the alpha of masked ones, and on which side of the view's half-space they lie.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewTest<'a> {
+    /// The scene.
+    pub view: SceneView<'a>,
+    /// The view.
+    pub plan: &'a ViewPlan,
+}
+
+impl AlphaTest for ViewTest<'_> {
+    fn passes(&self, triangle: u32, x: u32, y: u32) -> bool {
+        let SceneView { scene, surfaces, .. } = self.view;
+        let hit = scene.point(triangle, texel_ray(self.plan, x as f32 + 0.5, y as f32 + 0.5));
+        if row_times_point(self.plan.half_space, hit.point) < 0.0 {
+            return false;
+        }
+        let material = surfaces.material(scene, triangle);
+        material.flags & FLAG_MASK == 0 || surfaces.color(scene, triangle, hit.u, hit.v).w >= material.alpha_cutoff
     }
 }
 

@@ -55,14 +55,14 @@ impl LimitCheck<'_> {
         }
         let map = u64::from(plan.map_size);
         self.at_most("the width of a shadow map in texels", map, size, "maxTextureDimension2D", "choose a smaller --map-size")?;
-        let layers = plan.views.len() as u64;
+        let layers = u64::from(plan.layer_count());
         let allowed = u64::from(self.limits.max_texture_array_layers);
         self.at_most(
             "the number of shadow maps",
             layers,
             allowed,
             "maxTextureArrayLayers",
-            "use fewer lights (a point light takes six maps)",
+            "use fewer lights or cascades (a point light takes six maps)",
         )
     }
 

@@ -1,9 +1,6 @@
 //! What passes are made of: attachments, views of textures, blocks of uniforms.
 
-use shadow_math::{
-    fit::CUBE_FACES,
-    plan::{LightPlan, ViewPlan},
-};
+use shadow_math::plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan};
 use shadow_scene::FramePlan;
 
 /// Blocks of uniforms in one buffer.
@@ -27,8 +24,8 @@ impl Slices {
 }
 
 /// The views of a light, in as many places as a light can have views.
-pub(crate) fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; CUBE_FACES.len()] {
-    let mut views = [bytemuck::Zeroable::zeroed(); CUBE_FACES.len()];
+pub(crate) fn views_of(plan: &FramePlan, light: &LightPlan) -> [ViewPlan; MAX_VIEWS_PER_LIGHT] {
+    let mut views = [bytemuck::Zeroable::zeroed(); MAX_VIEWS_PER_LIGHT];
     let own = plan.views.iter().skip(light.first_view as usize).take(light.view_count as usize);
     for (view, own) in views.iter_mut().zip(own) {
         *view = *own;

@@ -7,7 +7,7 @@ use std::{
 
 use shadow_math::{
     depth::DEPTH_Z_OVER_W,
-    plan::{BIAS_AUTOMATIC, FILTER_BILINEAR},
+    plan::{BIAS_AUTOMATIC, FILTER_BILINEAR, LightPlan, ViewPlan},
 };
 
 mod color;
@@ -223,11 +223,34 @@ fn full_screen_pipeline(
     })
 }
 
-/// The pipelines of visibility: one for each filter, bias and kind of depth that was asked for.
+/// What is asked of a light's views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct VisibilityStyle {
+    filter: u32,
+    bias: u32,
+    depth: u32,
+    is_warped: bool,
+    blends: bool,
+}
+
+impl VisibilityStyle {
+    /// What a light and its views ask.
+    pub(crate) fn of(light: &LightPlan, views: &[ViewPlan]) -> Self {
+        Self {
+            filter: light.filter,
+            bias: light.bias,
+            depth: views.first().map_or(DEPTH_Z_OVER_W, |view| view.depth_kind),
+            is_warped: views.iter().any(|view| view.is_warped != 0),
+            blends: light.split_band.as_flattened().iter().any(|&band| band > 0.0),
+        }
+    }
+}
+
+/// The pipelines of visibility: one for each style that was asked for.
 struct VisibilityPipelines {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    made: Mutex<HashMap<[u32; 3], wgpu::RenderPipeline>>,
+    made: Mutex<HashMap<VisibilityStyle, wgpu::RenderPipeline>>,
 }
 
 impl VisibilityPipelines {
@@ -239,18 +262,25 @@ impl VisibilityPipelines {
             made: Mutex::default(),
         };
         // What a driver has against the module is to be known from the beginning.
-        pipelines.get(device, [FILTER_BILINEAR, BIAS_AUTOMATIC, DEPTH_Z_OVER_W]);
+        let light = LightPlan { filter: FILTER_BILINEAR, bias: BIAS_AUTOMATIC, ..LightPlan::default() };
+        pipelines.get(device, VisibilityStyle::of(&light, &[]));
         pipelines
     }
 
-    fn get(&self, device: &wgpu::Device, [filter, bias, depth]: [u32; 3]) -> wgpu::RenderPipeline {
+    fn get(&self, device: &wgpu::Device, style: VisibilityStyle) -> wgpu::RenderPipeline {
+        let VisibilityStyle { filter, bias, depth, is_warped, blends } = style;
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || {
-            let constants =
-                [("LIGHT_FILTER", f64::from(filter)), ("LIGHT_BIAS", f64::from(bias)), ("LIGHT_DEPTH", f64::from(depth))];
+            let constants = [
+                ("LIGHT_FILTER", f64::from(filter)),
+                ("LIGHT_BIAS", f64::from(bias)),
+                ("LIGHT_DEPTH", f64::from(depth)),
+                ("LIGHT_IS_WARPED", f64::from(is_warped)),
+                ("LIGHT_BLENDS", f64::from(blends)),
+            ];
             full_screen_pipeline(device, "resolve_visibility", &self.module, &self.layout, &constants, VISIBILITY_FORMAT.into())
         };
-        made.entry([filter, bias, depth]).or_insert_with(make).clone()
+        made.entry(style).or_insert_with(make).clone()
     }
 }
 
@@ -271,9 +301,9 @@ pub(crate) fn compute_pipeline(
 }
 
 impl Pipelines {
-    /// The pipeline of visibility for a light with this filter, bias and kind of depth, as its plan and its views' have them.
-    pub(crate) fn visibility(&self, device: &wgpu::Device, filter: u32, bias: u32, depth: u32) -> wgpu::RenderPipeline {
-        self.visibility.get(device, [filter, bias, depth])
+    /// The pipeline of visibility for a light.
+    pub(crate) fn visibility(&self, device: &wgpu::Device, style: VisibilityStyle) -> wgpu::RenderPipeline {
+        self.visibility.get(device, style)
     }
 
     pub(crate) fn new(device: &wgpu::Device) -> Self {

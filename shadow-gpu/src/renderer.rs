@@ -5,7 +5,6 @@ mod maps;
 mod readback;
 
 use shadow_math::{
-    depth::DEPTH_Z_OVER_W,
     plan::{LightPlan, ViewPlan},
 };
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
@@ -19,7 +18,7 @@ use crate::{
     error::GpuError,
     limits::LimitCheck,
     passes::{Slices, depth_array_view, depth_attachment, full_screen_pass, layer_view, views_of},
-    pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT},
+    pipelines::{COLOR_FORMAT, DEPTH_FORMAT, ID_FORMAT, Pipelines, VISIBILITY_FORMAT, VisibilityStyle},
     shelf::{Kept, Shelf},
     wait::submitted_work,
 };
@@ -381,8 +380,7 @@ impl GpuRenderer {
         for (light, light_plan) in (0..).zip(&plan.lights) {
             let target = layer_view(&texture, light);
             let mut pass = full_screen_pass(&mut encoder, "visibility", &target, Some(wgpu::Color::WHITE), &camera.depth);
-            let depth_kind = plan.views.get(light_plan.first_view as usize).map_or(DEPTH_Z_OVER_W, |view| view.depth_kind);
-            pass.set_pipeline(&self.pipelines.visibility(&self.device, light_plan.filter, light_plan.bias, depth_kind));
+            pass.set_pipeline(&self.pipelines.visibility(&self.device, VisibilityStyle::of(light_plan, plan.views_of(light as usize))));
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
             pass.draw(0..3, 0..1);
@@ -465,12 +463,9 @@ impl GpuRenderer {
             layers.push(Layer { name: LayerName::Depth, width, height, pixels: Pixels::Float(depth) });
         }
         if let (true, Some(maps)) = (request.shadow_maps, &maps) {
-            for (light, light_plan) in (0..).zip(&plan.lights) {
-                for view in 0..light_plan.view_count {
-                    let depths = self.read_map(maps, light_plan.first_view + view).await?;
-                    let name = LayerName::ShadowMap { light, view };
-                    layers.push(Layer { name, width: plan.map_size, height: plan.map_size, pixels: Pixels::Float(depths) });
-                }
+            for (name, view) in plan.maps() {
+                let depths = self.read_map(maps, view.layer).await?;
+                layers.push(Layer { name, width: plan.map_size, height: plan.map_size, pixels: Pixels::Float(depths) });
             }
         }
         if let (true, Some(visibility)) = (request.visibility, &visibility) {

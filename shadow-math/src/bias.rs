@@ -76,13 +76,13 @@ pub fn needed_depth(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec
 
 /// The bias of a lookup that is not moved, in depth, from 0 to [`MAX_DEPTH_BIAS`]; it is added to the stored depth.
 ///
-/// `needed` is what [`needed_depth`] gives, `w` the receiver's clip w, above 0, and `distance` its distance along the view's axis, in metres. It is one of z / w: [`linear_bias`](crate::depth::linear_bias) turns it into one of linear depth.
+/// `needed` is what [`needed_depth`] gives, `w` the receiver's clip w, above 0, and `axis_distance` its distance along the view's axis, in metres. It is one of z / w: [`linear_bias`](crate::depth::linear_bias) turns it into one of linear depth.
 #[inline(always)]
 #[must_use]
-pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32, distance: f32) -> f32 {
+pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32, axis_distance: f32) -> f32 {
     let mut bias = 0.0;
     if light.bias & BIAS_CONSTANT != 0 {
-        bias = metres_to_depth(view, w, distance, light.bias_metres);
+        bias = metres_to_depth(view, w, axis_distance, light.bias_metres);
     }
     if light.bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE) != 0 {
         bias += needed;
@@ -175,8 +175,8 @@ fn square_root(x: f32) -> f32 {
 /// The most that a receiver plane corrects a tap by, in depth: as much as its length in metres takes up before the receiver.
 #[inline(always)]
 #[must_use]
-pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32, distance: f32) -> f32 {
-    metres_to_depth(view, w, distance, light.plane_metres)
+pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32, axis_distance: f32) -> f32 {
+    metres_to_depth(view, w, axis_distance, light.plane_metres)
 }
 
 /// The depth that the last `metres` before a receiver take up; [`MAX_DEPTH_BIAS`] where they reach back to the light.
@@ -185,8 +185,8 @@ pub fn plane_limit(light: &LightPlan, view: &ViewPlan, w: f32, distance: f32) ->
 /// smaller by `factor s / ((1 - s) w)`, with `factor` minus the light's depth; with s the metres over the distance that is what stands here. A point that moves toward parallel light by m metres is itself and m of the light:
 /// `factor m / w`. Both hold for any matrix that maps the light so, warped or not.
 #[inline(always)]
-fn metres_to_depth(view: &ViewPlan, w: f32, distance: f32, metres: f32) -> f32 {
-    let distance_before = distance - view.w_per_metre * metres;
+fn metres_to_depth(view: &ViewPlan, w: f32, axis_distance: f32, metres: f32) -> f32 {
+    let distance_before = axis_distance - view.w_per_metre * metres;
     if distance_before <= 0.0 {
         return MAX_DEPTH_BIAS;
     }

@@ -3,11 +3,17 @@
 //! They are what hardware and the article's shader do; the receiver's [biases](crate::bias) know what they need, these are told by a factor. Both are computed here from the triangle's vertices, for the units of
 //! a pipeline's own state are the driver's.
 //!
-//! [`caster_offset`] and [`pushed_depth`] are mirrored by `caster.wgsl`.
+//! [`caster_offset`], [`pushed_depth`] and [`texel_ray`] are mirrored by `caster.wgsl`.
 
 use glam::Vec3;
 
-use crate::{depth::DEPTH_REVERSED, gradient::depth_gradient, plan::ViewPlan, vector::row_times_point};
+use crate::{
+    depth::DEPTH_REVERSED,
+    gradient::depth_gradient,
+    plan::ViewPlan,
+    triangle::{Ray, pixel_ray},
+    vector::row_times_point,
+};
 
 /// [`ViewPlan::caster_kind`]: triangles are drawn where they are.
 pub const CASTER_PLAIN: u32 = 0;
@@ -20,6 +26,19 @@ pub const CASTER_OGRE_2006_CORRECTED: u32 = 3;
 
 /// The steepest slope that is reckoned with, in depth per texel. Any that is above 1 fills the range of depth within a texel, and its product with a factor of 0 is to be 0.
 pub const MAX_CASTER_SLOPE: f32 = 1e30;
+
+/// The ray of light through texel coordinates `(x, y)` of a view, as casters are tested at texels; texel centres lie at + 0.5.
+///
+/// In a warped view of parallel light the ray's origin is homogeneous: it is divided by its fourth component.
+#[inline(always)]
+#[must_use]
+pub fn texel_ray(view: &ViewPlan, x: f32, y: f32) -> Ray {
+    let mut ray = pixel_ray(&view.rays, x, y);
+    if view.is_warped != 0 && view.w_per_metre == 0.0 {
+        ray.origin = ray.origin / (view.rays.origin[3] + view.rays.origin_dx[3] * x + view.rays.origin_dy[3] * y);
+    }
+    ray
+}
 
 /// How much deeper a triangle is drawn, in depth from 0 to 1, wherever it is.
 ///

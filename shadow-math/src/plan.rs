@@ -8,6 +8,7 @@
 mod build;
 mod data;
 mod error;
+mod lengths;
 mod view;
 mod views;
 

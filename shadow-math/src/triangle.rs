@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::plan::{PixelRays, ViewPlan};
+use crate::plan::PixelRays;
 
 /// A ray. The direction is not normalised.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,19 +38,6 @@ pub fn pixel_ray(rays: &PixelRays, x: f32, y: f32) -> Ray {
     let origin = xyz(rays.origin) + xyz(rays.origin_dx) * x + xyz(rays.origin_dy) * y;
     let direction = xyz(rays.direction) + xyz(rays.direction_dx) * x + xyz(rays.direction_dy) * y;
     Ray { origin, direction }
-}
-
-/// The ray of light through texel coordinates `(x, y)` of a view, as casters are tested at texels; texel centres lie at + 0.5.
-///
-/// In a warped view of parallel light the ray's origin is homogeneous: it is divided by its fourth component.
-#[inline(always)]
-#[must_use]
-pub fn texel_ray(view: &ViewPlan, x: f32, y: f32) -> Ray {
-    let mut ray = pixel_ray(&view.rays, x, y);
-    if view.is_warped != 0 && view.w_per_metre == 0.0 {
-        ray.origin = ray.origin / (view.rays.origin[3] + view.rays.origin_dx[3] * x + view.rays.origin_dy[3] * y);
-    }
-    ray
 }
 
 #[inline(always)]

@@ -194,8 +194,8 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
     let footprint = footprint(light, view, receiver, w);
     let needed = needed_depth(light, view, receiver.point, receiver.normal, w, footprint);
     let offset = normal_offset(light, view, receiver.point, normal, needed, w);
-    let distance = row_times_point(view.distance, receiver.point);
-    let mut bias = linear_bias(view, w, depth_bias(light, view, needed, w, distance));
+    let axis_distance = row_times_point(view.distance, receiver.point);
+    let mut bias = linear_bias(view, w, depth_bias(light, view, needed, w, axis_distance));
     if offset > 0.0 {
         bias = 0.0;
     }
@@ -206,7 +206,7 @@ pub fn lookup_in_view(light: &LightPlan, view: &ViewPlan, view_index: u32, recei
         if view.depth_kind == DEPTH_REVERSED {
             slope = -slope;
         }
-        slope_limit = plane_limit(light, view, w, distance);
+        slope_limit = plane_limit(light, view, w, axis_distance);
     }
     let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, w));
     let w = row_times_point(view.clip_w, point);

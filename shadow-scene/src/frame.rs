@@ -143,7 +143,7 @@ impl Frame {
 /// The shadow maps of a frame, as lookups ask for them.
 #[derive(Clone, Debug)]
 pub struct FrameMaps<'a> {
-    /// The maps of all views, in the order of the plan's views.
+    /// The maps, in the order of their layers.
     layers: Vec<&'a [f32]>,
     /// Width and height of each.
     size: usize,
@@ -154,17 +154,14 @@ impl<'a> FrameMaps<'a> {
     #[must_use]
     pub fn of(frame: &'a Frame, plan: &FramePlan) -> Option<Self> {
         let size = plan.map_size as usize;
-        let views = plan.lights.iter().enumerate().flat_map(|(light, light_plan)| {
-            (0..light_plan.view_count).map(move |view| LayerName::ShadowMap { light: light as u32, view })
-        });
-        let layers = views.map(|layer| frame.floats(layer).filter(|texels| texels.len() == size * size));
+        let layers = plan.maps().map(|(layer, _)| frame.floats(layer).filter(|texels| texels.len() == size * size));
         Some(Self { layers: layers.collect::<Option<_>>()?, size })
     }
 }
 
 impl MapAccess for FrameMaps<'_> {
     fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
-        // A view's layer is its place among all views.
+        // A view's layer is its place among those that have maps.
         self.layers[layer as usize][y as usize * self.size + x as usize]
     }
 }

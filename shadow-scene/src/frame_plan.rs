@@ -5,7 +5,7 @@ use shadow_math::{
     bounds::Aabb,
     depth::LAYER_FIRST,
     exposure::Exposure,
-    fit::MIN_NEAR_SHARE,
+    fit::{Eye, FitOutcome, MIN_NEAR_SHARE, Subject},
     picture::plan_picture,
     plan::{
         BIAS_BACK_FACES, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, COMPOSE_UNSHADOWED, CameraPlan, LightPlan,
@@ -15,6 +15,8 @@ use shadow_math::{
 };
 
 use crate::{
+    feedback::Feedback,
+    frame::LayerName,
     scene::{Scene, SceneLight},
     surfaces::first_word_of,
 };
@@ -26,7 +28,7 @@ pub struct FramePlan {
     pub camera: CameraPlan,
     /// One plan a light, in the order of the scene's lights.
     pub lights: Vec<LightPlan>,
-    /// The views of all lights; view `i` is layer `i` of the maps.
+    /// The views of all lights; each says which layer of the maps is its own.
     pub views: Vec<ViewPlan>,
     /// Width and height of every map in texels.
     pub map_size: u32,
@@ -112,6 +114,22 @@ impl FramePlan {
         Self::with_settings_of(scene, camera, settings.map_size, |_, _| *settings, (width, height), ev)
     }
 
+    /// As [`Self::new`], with what the camera sees: for fits and splits that follow it.
+    ///
+    /// # Errors
+    ///
+    /// As [`FramePlan::with_settings_of`].
+    pub fn with_feedback(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &ShadowSettings,
+        size: (u32, u32),
+        ev: Option<f32>,
+        feedback: &Feedback,
+    ) -> Result<Self, FramePlanError> {
+        Self::with_all(scene, camera, settings.map_size, |_, _| *settings, size, ev, feedback)
+    }
+
     /// Plans a picture of `size` pixels. `settings` says how a light is shadowed, by its index; all of them have maps of `map_size` texels, since these lie in one array.
     ///
     /// `ev` is an exposure value (EV at ISO 100); `None` chooses the exposure by a fixed rule from the lights
@@ -125,8 +143,25 @@ impl FramePlan {
         camera: &Camera,
         map_size: u32,
         settings: impl Fn(usize, &SceneLight) -> ShadowSettings,
+        size: (u32, u32),
+        ev: Option<f32>,
+    ) -> Result<Self, FramePlanError> {
+        Self::with_all(scene, camera, map_size, settings, size, ev, &Feedback::default())
+    }
+
+    /// As [`Self::with_settings_of`], with what the camera sees.
+    ///
+    /// # Errors
+    ///
+    /// As [`FramePlan::with_settings_of`].
+    pub fn with_all(
+        scene: &Scene,
+        camera: &Camera,
+        map_size: u32,
+        settings: impl Fn(usize, &SceneLight) -> ShadowSettings,
         (width, height): (u32, u32),
         ev: Option<f32>,
+        feedback: &Feedback,
     ) -> Result<Self, FramePlanError> {
         let mut exposure = Exposure::automatic(scene.lights().iter().map(|light| &light.light), scene.bounds());
         if let Some(ev) = ev {
@@ -135,11 +170,18 @@ impl FramePlan {
             }
             exposure = exposure.with_ev(ev);
         }
+        let eye = Eye {
+            camera: *camera,
+            aspect: f64::from(width) / f64::from(height.max(1)),
+            samples: &feedback.samples,
+            plane: feedback.plane,
+        };
         let camera = plan_camera(camera, width, height, exposure, scene.lights().len() as u32).map_err(FramePlanError::Camera)?;
         let casting = scene.instances().iter().filter(|instance| instance.casts_shadows);
         let casters: Vec<Aabb> = casting.map(|instance| instance.bounds).collect();
         // Where nothing was added at all, maps are fitted to the bounds that stand in for it.
         let is_any_cast = !casters.is_empty() || scene.instances().is_empty();
+        let subject = Subject { casters: &casters, bounds: scene.bounds(), origin: scene.origin(), eye: Some(eye) };
         let mut lights = Vec::with_capacity(scene.lights().len());
         let mut views = Vec::new();
         for (index, light) in scene.lights().iter().enumerate() {
@@ -160,12 +202,13 @@ impl FramePlan {
             }
             let count = view_count(&light.light, settings).map_err(failed)?;
             views.resize(first + count, ViewPlan::default());
-            let mut plan = plan_light(&light.light, &casters, scene.bounds(), settings, first as u32, &mut views[first..])
+            let first_layer = layer_count(&views[..first]);
+            let mut plan = plan_light(&light.light, &subject, settings, [first as u32, first_layer], &mut views[first..])
                 .map_err(failed)?;
             picture(&mut plan).map_err(failed)?;
             lights.push(plan);
         }
-        let notes = near_rule_note(scene, &lights, &views).into_iter().collect();
+        let notes = near_rule_note(scene, &lights, &views).into_iter().chain(fall_back_notes(scene, &lights, &views)).collect();
         Ok(Self { camera, lights, views, map_size, light_passes: LightPasses::default(), ev: exposure.ev(), notes })
     }
 
@@ -222,7 +265,7 @@ impl FramePlan {
     #[must_use]
     pub fn map_bytes(&self) -> u64 {
         let scratch = self.views.iter().any(|view| view.depth_layer != LAYER_FIRST);
-        let maps = self.views.len() as u64 + u64::from(scratch);
+        let maps = u64::from(self.layer_count()) + u64::from(scratch);
         maps * u64::from(self.map_size).pow(2) * size_of::<f32>() as u64
     }
 
@@ -239,6 +282,22 @@ impl FramePlan {
         let maps = needed / (u64::from(self.map_size).pow(2) * size_of::<f32>() as u64);
         let fitting = (bytes as f64 / (maps * size_of::<f32>() as u64) as f64).sqrt().floor() as u32;
         Err(FramePlanError::Budget { needed, allowed: bytes, maps, map_size: self.map_size, fitting })
+    }
+
+    /// How many layers the maps take: one for each view in which anything is seen.
+    #[must_use]
+    pub fn layer_count(&self) -> u32 {
+        layer_count(&self.views)
+    }
+
+    /// The maps in the order of their layers: each one's name and view.
+    pub fn maps(&self) -> impl Iterator<Item = (LayerName, &ViewPlan)> {
+        let views = self.lights.iter().enumerate().flat_map(move |(light, plan)| {
+            (0..plan.view_count).map(move |view| {
+                (LayerName::ShadowMap { light: light as u32, view }, &self.views[(plan.first_view + view) as usize])
+            })
+        });
+        views.filter(|(_, view)| view.has_map())
     }
 
     /// The views of a light.
@@ -259,6 +318,25 @@ impl FramePlan {
     }
 }
 
+/// How many layers the maps of some views take.
+fn layer_count(views: &[ViewPlan]) -> u32 {
+    views.iter().filter(|view| view.has_map()).count() as u32
+}
+
+/// A sentence on each light that has another fit than was asked for.
+fn fall_back_notes(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Vec<String> {
+    let note = |(index, (plan, light)): (usize, (&LightPlan, &SceneLight))| {
+        let views = &views[plan.first_view as usize..][..plan.view_count as usize];
+        let why = views.iter().find_map(|view| match view.outcome() {
+            FitOutcome::FellBackToUniform { why } => Some(why),
+            _ => None,
+        })?;
+        let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
+        Some(format!("{name} has the uniform fit: {why}"))
+    };
+    lights.iter().zip(scene.lights()).enumerate().filter_map(note).collect()
+}
+
 /// A sentence on the lights whose near plane lies at the smallest share of the far plane's distance: what is nearer to them casts no shadow.
 fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Option<String> {
     /// Rounding to f32 may lift the share a little.
@@ -271,7 +349,7 @@ fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Op
         .filter_map(|(index, (plan, light))| {
             let view = &views[plan.first_view as usize];
             let [near, far] = view.depth_range;
-            let is_limited = view.w_per_metre > 0.0 && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
+            let is_limited = view.w_per_metre > 0.0 && view.has_map() && view.is_warped == 0 && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
             let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
             is_limited.then_some((name, near))
         })

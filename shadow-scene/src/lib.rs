@@ -15,11 +15,13 @@ pub mod builder;
 pub mod import;
 pub mod builtin;
 pub mod surfaces;
+pub mod feedback;
 pub mod frame_plan;
 pub mod frame;
 pub mod compare;
 
 pub use builder::{Mesh, SceneBuilder, SceneError};
+pub use feedback::Feedback;
 pub use frame::{Frame, FrameMaps, Layer, LayerName, NO_TRIANGLE, Pixels, Request, StageTimes};
 pub use frame_plan::{FramePlan, FramePlanError, LightPasses};
 pub use import::{Choice, ImportError, ImportOptions, import, import_with};

@@ -88,6 +88,8 @@ pub fn evaluate(
         fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
         fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
         fn depth_kind(view: u32) -> u32 {{ return views[view].depth_kind; }}
+        fn is_warped(view: u32) -> u32 {{ return views[view].is_warped; }}
+        fn blends_views(light: u32) -> bool {{ return true; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return depths[(layer * MAP_SIZE + y) * MAP_SIZE + x]; }}
         fn fetch_word(index: u32) -> u32 {{ return words[index]; }}
         fn decoded(byte: u32) -> f32 {{ return bitcast<f32>(words[byte]); }}

@@ -8,12 +8,12 @@ use shadow_math::{
     filter::support,
     plan::{LightPlan, ViewPlan},
     vector::row_times_point,
-    visibility::{Lookup, NO_VIEW, footprint, lookup},
+    visibility::{Lookup, NO_VIEW, footprint},
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, SceneLight};
 
 use super::{
-    judge::{Ask, Judge, receiver_at, toward_center},
+    judge::{Ask, Judge, receiver_at, toward_center, weightiest_lookup},
     taps::{Taps, metres_before},
 };
 use crate::trace::SurfacePoint;
@@ -96,7 +96,7 @@ impl AskingPixel<'_> {
         let taps = Taps::of(self.plan, view, lookup, &self.point, 0.0);
         let Some(behind) = taps.behind(lookup) else { return Price { gap: 0.0, shift: 0.0 } };
         // Single precision moves a lookup by some thousandths of a texel: that is no step.
-        let texel = f64::from(view.texel_metres[0].max(view.texel_metres[1]) * row_times_point(view.clip_w, self.receiver.point));
+        let texel = view.texel_width_at(self.point.position);
         let moved = behind.position - self.point.position;
         let moved = if moved.length() < LEAST_SHIFT * texel { DVec3::ZERO } else { moved };
         let across = (self.toward - self.point.normal * self.point.normal.dot(self.toward)).normalize_or_zero();
@@ -157,7 +157,7 @@ impl Judge<'_> {
             let point = self.tracer.surface_point(hit, self.seen.view.ray(x, y));
             let toward = toward_center(scene_light, point.position)?.normalize_or_zero();
             let receiver = receiver_at(scene, plan, hit.triangle, x, y);
-            let lookup = lookup(light_plan, &plan.views, &receiver);
+            let lookup = weightiest_lookup(light_plan, &plan.views, &receiver);
             (lookup.view != NO_VIEW)
                 .then(|| value(&AskingPixel { light: scene_light, plan: light_plan, receiver, point, toward, lookup }))
         };

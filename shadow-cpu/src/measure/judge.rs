@@ -6,7 +6,7 @@ use shadow_math::{
     LightKind, LightShape, MapAccess, Receiver,
     filter::filtered_test,
     plan::{LightPlan, ViewPlan},
-    visibility::{Lookup, lookup},
+    visibility::{Lookup, NO_VIEW, choose_views, lookup, lookup_in_view},
 };
 use shadow_scene::{Frame, FrameMaps, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
 
@@ -184,7 +184,7 @@ impl<'a> Judge<'a> {
                 Pixels::Float(values) => Some(values.as_slice()),
                 _ => None,
             })?;
-            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &lookup, maps))
+            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &weightiest_lookup, maps))
         });
         let lights = judged.collect::<Result<_, _>>()?;
         Ok(Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights })
@@ -332,6 +332,15 @@ impl<'a> Judge<'a> {
 /// What a renderer's receiver is at a pixel that shows this triangle.
 pub(super) fn receiver_at(scene: &Scene, plan: &FramePlan, triangle: u32, x: u32, y: u32) -> Receiver {
     scene.receiver(triangle, &plan.camera.rays, [x, y])
+}
+
+/// What a receiver asks of the view that counts most: between two cascades that is the one whose answer has the larger share.
+pub(super) fn weightiest_lookup(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
+    let choice = choose_views(light, views, receiver);
+    if choice.first == NO_VIEW || choice.share <= 0.5 {
+        return lookup(light, views, receiver);
+    }
+    lookup_in_view(light, &views[choice.second as usize], choice.second, receiver)
 }
 
 /// Shadow maps of any kind.

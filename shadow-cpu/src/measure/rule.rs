@@ -7,13 +7,12 @@
 use glam::{Vec2, Vec3};
 use shadow_math::{
     Receiver,
-    bias::{depth_gradient, needed_depth, normal_offset},
+    bias::{depth_gradient, needed_depth, normal_offset, texel_width},
     filter::turn::turn_of_pixel,
-    fit::cube_face_of,
-    plan::{FILTER_DISC, LIGHT_DIRECTIONAL, LIGHT_SPOT, LightPlan, SPLIT_CUBE, ViewPlan, toward_light},
+    plan::{FILTER_DISC, LIGHT_DIRECTIONAL, LIGHT_SPOT, LightPlan, ViewPlan, toward_light},
     vector::row_times_point,
     vector::unit_normal,
-    visibility::{Lookup, NO_VIEW, footprint},
+    visibility::{Lookup, NO_VIEW, choose_views, footprint},
 };
 
 /// How far a rule moves a receiver along its normal.
@@ -174,19 +173,11 @@ impl Rule {
     pub fn ask(&self, light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Lookup {
         let known = |known| Lookup { view: NO_VIEW, known, ..Lookup::default() };
         let toward = toward_light(light, receiver.point);
-        if !(receiver.normal.dot(toward) > 0.0) {
-            return known(0.0);
-        }
-        if light.view_count == 0 {
-            return known(1.0);
-        }
-        let mut index = light.first_view;
-        if light.split == SPLIT_CUBE {
-            index += cube_face_of(-toward);
-        }
-        let Some(view) = views.get(index as usize) else { return known(1.0) };
+        let choice = choose_views(light, views, receiver);
+        let index = choice.first;
+        let Some(view) = views.get(index as usize) else { return known(choice.known) };
         let w = row_times_point(view.clip_w, receiver.point);
-        if w <= 0.0 {
+        if w <= 0.0 || row_times_point(view.half_space, receiver.point) < 0.0 {
             return known(1.0);
         }
         let normal = unit_normal(receiver.normal);
@@ -233,7 +224,7 @@ impl Rule {
             }
             Self::Metres(metres) => (direction * metres, 0.0),
             Self::Engine { along_normal, toward_light, depth, slope, sum, sum_limit, .. } => {
-                let texel = view.texel_metres[0].max(view.texel_metres[1]) * w;
+                let texel = texel_width(light, view, point, w);
                 let cosine = normal.dot(direction).clamp(0.0, 1.0);
                 let step = texel
                     * match along_normal {

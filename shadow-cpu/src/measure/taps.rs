@@ -52,7 +52,9 @@ impl<'a> Taps<'a> {
         texels.sort_unstable_by_key(|texel| (texel.y, texel.x));
         texels.dedup();
         let w = row_times_point(view.clip_w, receiver.position.as_vec3());
-        let rounding = view.rounding_texels[0] + view.rounding_texels[1] / w.max(view.depth_range[0].max(f32::MIN_POSITIVE));
+        // A receiver that lies before the near plane is known to be lit.
+        let least_w = if view.is_warped == 0 { view.depth_range[0] } else { 0.0 };
+        let rounding = view.rounding_texels[0] + view.rounding_texels[1] / w.max(least_w.max(f32::MIN_POSITIVE));
         let outline_error = f64::from(view.snap_texels + rounding);
         Self { view, receiver, texels, lift: receiver.lift + VERTEX_ROUNDING * largest, outline_error }
     }
@@ -130,9 +132,13 @@ impl<'a> Taps<'a> {
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from));
         let height = |area: f64, sides: [f64; 3]| area / sides.into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let ws = corners.map(|corner| row(self.view.clip_w).dot(corner.extend(1.0)));
-        let w = ws.into_iter().fold(f64::INFINITY, f64::min).max(f64::from(self.view.depth_range[0])).max(f64::MIN_POSITIVE);
-        let w = if self.view.w_per_metre == 0.0 { 1.0 } else { w };
-        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1])) * w;
+        let w = ws.into_iter().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
+        let (w, texel) = if self.view.is_warped != 0 {
+            (w, corners.map(|corner| self.view.texel_width_at(corner)).into_iter().fold(f64::INFINITY, f64::min))
+        } else {
+            let w = if self.view.w_per_metre == 0.0 { 1.0 } else { w.max(f64::from(self.view.depth_range[0])) };
+            (w, f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1])) * w)
+        };
         let [a, b, c] = *corners;
         let sides = [b - a, c - b, a - c].map(DVec3::length);
         let longest = sides.into_iter().fold(0.0, f64::max);
@@ -155,17 +161,17 @@ impl<'a> Taps<'a> {
 
     /// As [`Self::clearance`], wherever on the light's ray through a tap.
     pub(super) fn widest_clearance(&self) -> Clearance {
-        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
-        let w = if self.view.w_per_metre == 0.0 { 1.0 } else { f64::from(self.view.depth_range[1]) };
-        let widest = SQRT_2 * self.outline_error * texel * w;
+        let row = DVec4::from_array(self.view.distance.map(f64::from));
+        let distance = row.dot(self.receiver.position.extend(1.0));
+        // Light from a place spreads up to the far plane.
+        let spread = if self.view.w_per_metre == 0.0 { 1.0 } else { (f64::from(self.view.depth_range[1]) / distance).max(1.0) };
+        let widest = SQRT_2 * self.outline_error * self.view.texel_width_at(self.receiver.position) * spread;
         Clearance { at_origin: widest, at_end: widest }
     }
 
     /// How far outlines in the map can be off, in metres across the ray from one of the taps to the light.
     pub(super) fn clearance(&self, point: &SurfacePoint) -> Clearance {
-        let texel = f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1]));
-        let w = f64::from(row_times_point(self.view.clip_w, point.position.as_vec3()));
-        let at_origin = SQRT_2 * self.outline_error * texel * w;
+        let at_origin = SQRT_2 * self.outline_error * self.view.texel_width_at(point.position);
         // Toward the light of a perspective view texels shrink to nothing.
         Clearance { at_origin, at_end: if self.view.w_per_metre == 0.0 { at_origin } else { 0.0 } }
     }
@@ -253,20 +259,11 @@ fn meeting_point([(a, d), (b, e), (c, f)]: [(DVec3, f64); 3]) -> Option<DVec3> {
 
 /// How many metres along the light's ray a depth takes up before a point.
 pub(super) fn metres_before(light: &SceneLight, view: &ViewPlan, point: DVec3, depth: f64) -> f64 {
-    let w = DVec4::from_array(view.clip_w.map(f64::from)).dot(point.extend(1.0));
-    let distance = light.light.position().map_or(w, |light| light.as_dvec3().distance(point));
-    metres_of_depth(view, depth, w, distance)
-}
-
-/// How many metres along the light's ray, which is `distance` long where the view's axis measures `w`, a depth takes up before a point there. Parallel
-/// rays have no distance but the axis.
-fn metres_of_depth(view: &ViewPlan, depth: f64, w: f64, distance: f64) -> f64 {
-    let factor = f64::from(view.depth_factor);
-    if view.w_per_metre == 0.0 {
-        return depth / factor;
-    }
-    // The inverse of `depth = factor m / (w (w - m))`, scaled from the axis to the ray.
-    depth * w * w / (factor + depth * w) * (distance / w)
+    let along_axis = view.metres_of_depth(point, depth);
+    // Parallel rays run along the axis; others are longer than their share of it.
+    let axis_distance = DVec4::from_array(view.distance.map(f64::from)).dot(point.extend(1.0));
+    let ray = light.light.position().map_or(1.0, |light| light.as_dvec3().distance(point) / axis_distance);
+    along_axis * ray
 }
 
 #[cfg(test)]

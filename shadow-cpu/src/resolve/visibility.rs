@@ -7,9 +7,9 @@ use shadow_math::{
     glam::Vec2,
     plan::{
         BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, FILTER_BILINEAR, FILTER_FOOTPRINT, FILTER_HARD, FILTER_SEPARABLE, LightPlan,
-        PixelRays, SPLIT_SINGLE, ViewPlan, toward_light,
+        PixelRays, SPLIT_CASCADES, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan, toward_light,
     },
-    visibility::{NO_VIEW, lookup_in_view, visibility},
+    visibility::{Choice, NO_VIEW, choose_views, lookup_in_view, visibility},
 };
 
 use super::{
@@ -45,7 +45,17 @@ pub(crate) fn span_visibility(
 ) {
     // Taps with depths or biases of their own go one pixel after the other.
     let is_plain = light.bias & (BIAS_RECEIVER_PLANE | BIAS_RECEIVER_GRADIENT) == 0;
-    match (common_view(light, hits, count).filter(|_| is_plain), light.filter) {
+    let mut choices = [NOT_CHOSEN; SPAN];
+    let common = common_view(light, views, hits, count, &mut choices);
+    if common.is_some_and(|view| !views[view as usize].has_map()) {
+        // No map, and no layer that could be looked at.
+        for i in 0..count {
+            let choice = choose_views(light, views, &hits.receiver(i));
+            out[i] = if choice.first == NO_VIEW { choice.known } else { 1.0 };
+        }
+        return;
+    }
+    match (common.filter(|_| is_plain), light.filter) {
         (Some(view), FILTER_BILINEAR) => vector_visibility::<true>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_HARD) => vector_visibility::<false>(light, &views[view as usize], maps, hits, out),
         (Some(view), FILTER_SEPARABLE) => {
@@ -69,25 +79,54 @@ pub(crate) fn span_visibility(
             for i in 0..count {
                 out[i] = visibility(light, views, maps, &hits.receiver(i));
             }
+            return;
+        }
+    }
+    if light.split == SPLIT_CASCADES || light.shadow_far < f32::MAX {
+        for (out, choice) in out.iter_mut().zip(&choices[..count]) {
+            if choice.first == NO_VIEW {
+                *out = choice.known;
+            }
         }
     }
 }
 
-/// The view that all pixels of a span ask.
+/// The choice of a pixel that was not asked.
+const NOT_CHOSEN: Choice = Choice { first: NO_VIEW, second: NO_VIEW, share: 0.0, known: 0.0 };
+
+/// The view that all pixels of a span ask, of those that ask any; what each of them chooses goes to `choices` where a light has more than one view or shadows end.
 #[inline(always)]
-fn common_view(light: &LightPlan, hits: &Hits, count: usize) -> Option<u32> {
+fn common_view(light: &LightPlan, views: &[ViewPlan], hits: &Hits, count: usize, choices: &mut [Choice; SPAN]) -> Option<u32> {
     if light.view_count == 0 {
         return None;
     }
-    if light.split == SPLIT_SINGLE {
+    if light.split == SPLIT_CUBE && light.shadow_far == f32::MAX {
+        let first = cube_face_of(-toward_light(light, hits.point.get(0)));
+        let mut is_common = true;
+        for i in 1..count {
+            is_common &= cube_face_of(-toward_light(light, hits.point.get(i))) == first;
+        }
+        return is_common.then_some(light.first_view + first);
+    }
+    if light.split == SPLIT_SINGLE && light.shadow_far == f32::MAX {
         return Some(light.first_view);
     }
-    let first = cube_face_of(-toward_light(light, hits.point.get(0)));
+    let mut common = NO_VIEW;
     let mut is_common = true;
-    for i in 1..count {
-        is_common &= cube_face_of(-toward_light(light, hits.point.get(i))) == first;
+    for i in 0..count {
+        let choice = choose_views(light, views, &hits.receiver(i));
+        choices[i] = choice;
+        if choice.first != NO_VIEW {
+            is_common &= common == NO_VIEW || common == choice.first;
+            is_common &= choice.share == 0.0;
+            common = choice.first;
+        }
     }
-    is_common.then_some(light.first_view + first)
+    // Where nothing is asked any view will do.
+    if common == NO_VIEW {
+        common = light.first_view;
+    }
+    is_common.then_some(common)
 }
 
 impl Lookups {

@@ -26,7 +26,7 @@ impl GpuRenderer {
     /// [`GpuError::Limit`] if they do not fit, [`GpuError::Driver`].
     pub async fn shadow_maps(&self, scene: &GpuScene, plan: &FramePlan) -> Result<GpuMaps, GpuError> {
         self.limit_check(&self.limits()).frame(plan)?;
-        let layers = self.array_layers((plan.views.len() as u32).max(1));
+        let layers = self.array_layers(plan.layer_count().max(1));
         let texture = self.map_texture("shadow maps", plan.map_size, layers);
         let buffers = self.plan_buffers(plan);
         let views = self.bind("views", &self.pipelines.layouts.views, &[buffers.views.as_entire_binding()]);
@@ -40,7 +40,7 @@ impl GpuRenderer {
             let group = self.bind("first surface", &self.pipelines.layouts.first_surface, &[resource]);
             (texture, target, group)
         });
-        for (index, view) in (0..).zip(&plan.views) {
+        for (index, view) in (0..).zip(&plan.views).filter(|(_, view)| view.has_map()) {
             let layer = texture.create_view(&wgpu::TextureViewDescriptor {
                 label: Some("shadow map"),
                 dimension: Some(wgpu::TextureViewDimension::D2),
@@ -77,6 +77,7 @@ impl GpuRenderer {
         first_surface: Option<&wgpu::BindGroup>,
     ) {
         let MapPass { scene, plan, views } = *maps;
+        let [_, _, width, height] = plan.views[view as usize].rect;
         let takes_back_faces = plan.takes_back_faces(view as usize);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow map"),
@@ -84,6 +85,10 @@ impl GpuRenderer {
             depth_stencil_attachment: Some(depth_attachment(target, style.far())),
             ..Default::default()
         });
+        if width < plan.map_size {
+            pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+            pass.set_scissor_rect(0, 0, width, height);
+        }
         pass.set_bind_group(0, &scene.geometry, &[]);
         pass.set_bind_group(1, &scene.surfaces, &[]);
         pass.set_bind_group(2, views, &[]);
@@ -99,7 +104,9 @@ impl GpuRenderer {
             }
             let corners = 3 * triangles.start..3 * triangles.end;
             let takes_back_faces_alone = takes_back_faces && run.culls_back_faces();
-            let style = MapStyle { is_masked: run.is_masked(), takes_back_faces_alone, ..style };
+            // Where a view has a half-space, each caster is tested for its side.
+            let is_masked = run.is_masked() || plan.views[view as usize].has_half_space();
+            let style = MapStyle { is_masked, takes_back_faces_alone, ..style };
             pass.set_pipeline(&self.pipelines.map.get(&self.device, style));
             if style.is_indexed() {
                 pass.draw_indexed(corners, 0, view..view + 1);

@@ -5,12 +5,12 @@ const OFFSET_SLOPE: f32 = 24.0;
 const GRADIENT_MARGIN: f32 = 1.00006103515625;
 const GRADIENT_ROUNDING: f32 = 0.00006103515625;
 
-fn metres_to_depth(view: u32, w: f32, metres: f32) -> f32 {
-    let w_before = w - views[view].w_per_metre * metres;
-    if w_before <= 0.0 {
+fn metres_to_depth(view: u32, w: f32, axis_distance: f32, metres: f32) -> f32 {
+    let distance_before = axis_distance - views[view].w_per_metre * metres;
+    if distance_before <= 0.0 {
         return MAX_DEPTH_BIAS;
     }
-    return views[view].depth_factor * metres / (w * w_before);
+    return views[view].depth_factor * metres / (w * distance_before);
 }
 
 fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, footprint: Footprint) -> f32 {
@@ -29,15 +29,15 @@ fn needed_depth(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32, foot
     let texels = reach + (views[view].snap_texels + rounding_texels.x + rounding_texels.y / w);
     var rounding = rounding_depth.x + rounding_depth.y / w;
     if depth_kind(view) == DEPTH_LINEAR {
-        rounding = rounding + metres_to_depth(view, w, views[view].rounding_metres);
+        rounding = rounding + metres_to_depth(view, w, w, views[view].rounding_metres);
     }
     return slope * texels + rounding;
 }
 
-fn depth_bias(light: u32, view: u32, needed: f32, w: f32) -> f32 {
+fn depth_bias(light: u32, view: u32, needed: f32, w: f32, axis_distance: f32) -> f32 {
     var bias = 0.0;
     if (bias_kind(light) & BIAS_CONSTANT) != 0u {
-        bias = metres_to_depth(view, w, lights[light].bias_metres);
+        bias = metres_to_depth(view, w, axis_distance, lights[light].bias_metres);
     }
     if (bias_kind(light) & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE)) != 0u {
         bias = bias + needed;
@@ -68,10 +68,28 @@ fn normal_step(light: u32, view: u32, point: vec3f, normal: vec3f, w: f32) -> f3
     }
     let cosine = dot3(normal, normalized(toward_light(light, point)));
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    let texel = max(views[view].texel_metres.x, views[view].texel_metres.y) * w;
-    return lights[light].normal_texels * texel * sine;
+    return lights[light].normal_texels * texel_width(light, view, point, w) * sine;
 }
 
-fn plane_limit(light: u32, view: u32, w: f32) -> f32 {
-    return metres_to_depth(view, w, lights[light].plane_metres);
+fn texel_width(light: u32, view: u32, point: vec3f, w: f32) -> f32 {
+    if is_warped(view) == 0u {
+        return max(views[view].texel_metres.x, views[view].texel_metres.y) * w;
+    }
+    let toward = normalized(toward_light(light, point));
+    let across_x = across(column_step(views[view].world_from_texel_x, point), toward);
+    let across_y = across(column_step(views[view].world_from_texel_y, point), toward);
+    return max(across_x, across_y) * w;
+}
+
+fn column_step(column: vec4f, point: vec3f) -> vec3f {
+    return vec3f(column.x - point.x * column.w, column.y - point.y * column.w, column.z - point.z * column.w);
+}
+
+fn across(v: vec3f, unit: vec3f) -> f32 {
+    let rest = v - unit * dot3(v, unit);
+    return sqrt(rest.x * rest.x + rest.y * rest.y + rest.z * rest.z);
+}
+
+fn plane_limit(light: u32, view: u32, w: f32, axis_distance: f32) -> f32 {
+    return metres_to_depth(view, w, axis_distance, lights[light].plane_metres);
 }

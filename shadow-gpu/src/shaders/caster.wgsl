@@ -52,3 +52,11 @@ fn pushed_depth(view: u32, drawn: f32, offset: f32) -> f32 {
     let rest = views[view].caster_asymptote - depth;
     return min(depth + offset + rest * rest * views[view].caster_push, 1.0);
 }
+
+fn texel_ray(view: u32, x: f32, y: f32) -> Ray {
+    var ray = pixel_ray(views[view].rays, x, y);
+    if views[view].is_warped != 0u && views[view].w_per_metre == 0.0 {
+        ray.origin = ray.origin / (views[view].rays.origin.w + views[view].rays.origin_dx.w * x + views[view].rays.origin_dy.w * y);
+    }
+    return ray;
+}

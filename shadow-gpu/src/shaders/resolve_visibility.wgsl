@@ -4,14 +4,16 @@
 @group(1) @binding(0) var<uniform> camera: CameraPlan;
 // The light, whose first view is the first one of `views`.
 @group(1) @binding(1) var<uniform> lights: array<LightPlan, 1>;
-@group(1) @binding(2) var<uniform> views: array<ViewPlan, 6>;
+@group(1) @binding(2) var<uniform> views: array<ViewPlan, 8>;
 @group(1) @binding(3) var maps: texture_2d_array<f32>;
 @group(1) @binding(4) var seen: texture_2d<u32>;
 
-// Each filter, bias and kind of depth has a pipeline of its own: a driver that runs a shader to its end with all lanes off would pay for all of them.
+// Each filter, bias and kind of depth has a pipeline of its own, and so have lights of whose views some are warped, and lights whose views are blended: a driver that runs a shader to its end with all lanes off would pay for all of them.
 override LIGHT_FILTER: u32;
 override LIGHT_BIAS: u32;
 override LIGHT_DEPTH: u32;
+override LIGHT_IS_WARPED: bool;
+override LIGHT_BLENDS: bool;
 
 fn filter_kind(light: u32) -> u32 {
     return LIGHT_FILTER;
@@ -23,6 +25,14 @@ fn bias_kind(light: u32) -> u32 {
 
 fn depth_kind(view: u32) -> u32 {
     return LIGHT_DEPTH;
+}
+
+fn is_warped(view: u32) -> u32 {
+    return select(0u, views[view].is_warped, LIGHT_IS_WARPED);
+}
+
+fn blends_views(light: u32) -> bool {
+    return LIGHT_BLENDS;
 }
 
 // Every tap goes through here: what a backend allows of depth textures differs.

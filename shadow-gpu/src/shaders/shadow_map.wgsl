@@ -40,18 +40,29 @@ fn masked_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) vi
     return MaskedVertex(view_clip(view, position), corner / 3u, view);
 }
 
+// Whether a caster is there at a texel, and on the side of the view's half-space that counts: mirrors ViewTest of shadow-cpu/src/resolve.rs.
+fn passes_view_test(view: u32, triangle: u32, x: f32, y: f32) -> bool {
+    let hit = scene_point(triangle, texel_ray(view, x, y));
+    if row_times_point(views[view].half_space, hit.point) < 0.0 {
+        return false;
+    }
+    let material = fetch_material(fetch_triangle(triangle).w);
+    if (material.flags & FLAG_MASK) == 0u {
+        return true;
+    }
+    return scene_color(triangle, hit).w >= material.alpha_cutoff;
+}
+
 @fragment
 fn masked_back_fragment(vertex: MaskedVertex, @builtin(front_facing) is_front: bool) {
-    let ray = pixel_ray(views[vertex.view].rays, vertex.clip.x, vertex.clip.y);
-    if is_front || !passes_alpha_test(vertex.triangle, ray) {
+    if is_front || !passes_view_test(vertex.view, vertex.triangle, vertex.clip.x, vertex.clip.y) {
         discard;
     }
 }
 
 @fragment
 fn masked_fragment(vertex: MaskedVertex) {
-    let ray = pixel_ray(views[vertex.view].rays, vertex.clip.x, vertex.clip.y);
-    if !passes_alpha_test(vertex.triangle, ray) {
+    if !passes_view_test(vertex.view, vertex.triangle, vertex.clip.x, vertex.clip.y) {
         discard;
     }
 }
@@ -85,7 +96,7 @@ fn is_left_out(vertex: StoredVertex, is_front: bool) -> bool {
     if TAKES_BACK_FACES && is_front {
         return true;
     }
-    return IS_MASKED && !passes_alpha_test(vertex.triangle, pixel_ray(views[vertex.view].rays, vertex.clip.x, vertex.clip.y));
+    return IS_MASKED && !passes_view_test(vertex.view, vertex.triangle, vertex.clip.x, vertex.clip.y);
 }
 
 @fragment

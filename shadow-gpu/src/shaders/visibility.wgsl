@@ -47,27 +47,93 @@ fn cube_face_of(v: vec3f) -> u32 {
     return 4u + select(0u, 1u, v.z < 0.0);
 }
 
-fn lookup(light: u32, receiver: Receiver) -> Lookup {
+struct Choice {
+    first: u32,
+    second: u32,
+    share: f32,
+    known: f32,
+}
+
+fn choose_views(light: u32, receiver: Receiver) -> Choice {
     let toward = toward_light(light, receiver.point);
     if !(dot3(receiver.normal, toward) > 0.0) {
-        return known_lookup(0.0);
+        return Choice(NO_VIEW, NO_VIEW, 0.0, 0.0);
     }
     if lights[light].view_count == 0u {
-        return known_lookup(1.0);
+        return Choice(NO_VIEW, NO_VIEW, 0.0, 1.0);
     }
-    var view = lights[light].first_view;
+    var distance = 0.0;
+    if lights[light].split == SPLIT_CASCADES || lights[light].shadow_far < MAX_FLOAT {
+        distance = row_times_point(lights[light].view_distance, receiver.point);
+        if distance > lights[light].shadow_far {
+            return Choice(NO_VIEW, NO_VIEW, 0.0, 1.0);
+        }
+    }
+    var choice = Choice(lights[light].first_view, NO_VIEW, 0.0, 0.0);
     if lights[light].split == SPLIT_CUBE {
-        view += cube_face_of(-toward);
+        choice.first += cube_face_of(-toward);
     }
+    if lights[light].split == SPLIT_CASCADES {
+        let last = lights[light].view_count - 1u;
+        var cascade = 0u;
+        if lights[light].selection == SELECT_BY_DEPTH {
+            while cascade < last && distance > lights[light].split_far[cascade / 4u][cascade % 4u] {
+                cascade += 1u;
+            }
+            let band = lights[light].split_band[cascade / 4u][cascade % 4u];
+            if band > 0.0 {
+                let rest = lights[light].split_far[cascade / 4u][cascade % 4u] - distance;
+                choice.share = max(1.0 - rest / band, 0.0);
+            }
+        } else {
+            while cascade < last && !(distance_to_rim(light, lights[light].first_view + cascade, receiver.point) >= 0.0) {
+                cascade += 1u;
+            }
+            let band = lights[light].split_band[cascade / 4u][cascade % 4u];
+            if band > 0.0 {
+                let rest = distance_to_rim(light, lights[light].first_view + cascade, receiver.point);
+                choice.share = max(1.0 - rest / band, 0.0);
+            }
+        }
+        choice.first += cascade;
+        if choice.share > 0.0 {
+            choice.second = choice.first + 1u;
+        }
+    }
+    return choice;
+}
+
+fn distance_to_rim(light: u32, view: u32, point: vec3f) -> f32 {
+    let w = row_times_point(views[view].clip_w, point);
+    if w <= 0.0 {
+        return -1.0;
+    }
+    let x = row_times_point(views[view].clip_x, point) / w;
+    let y = row_times_point(views[view].clip_y, point) / w;
+    // NDC reaches from -1 to 1: half a map is 1.
+    let guard = lights[light].guard_texels * 2.0 / f32(views[view].rect.z);
+    return (1.0 - max(abs(x), abs(y))) - guard;
+}
+
+fn lookup(light: u32, receiver: Receiver) -> Lookup {
+    let choice = choose_views(light, receiver);
+    if choice.first == NO_VIEW {
+        return known_lookup(choice.known);
+    }
+    return lookup_in_view(light, choice.first, receiver);
+}
+
+fn lookup_in_view(light: u32, view: u32, receiver: Receiver) -> Lookup {
     let receiver_w = row_times_point(views[view].clip_w, receiver.point);
-    if receiver_w <= 0.0 {
+    if receiver_w <= 0.0 || row_times_point(views[view].half_space, receiver.point) < 0.0 {
         return known_lookup(1.0);
     }
     let normal = unit_normal(receiver.normal);
     let sides = footprint(light, view, receiver, receiver_w);
     let needed = needed_depth(light, view, receiver.point, receiver.normal, receiver_w, sides);
     let offset = normal_offset(light, view, receiver.point, normal, needed, receiver_w);
-    var bias = linear_bias(view, receiver_w, depth_bias(light, view, needed, receiver_w));
+    let axis_distance = row_times_point(views[view].distance, receiver.point);
+    var bias = linear_bias(view, receiver_w, depth_bias(light, view, needed, receiver_w, axis_distance));
     if offset > 0.0 {
         bias = 0.0;
     }
@@ -78,7 +144,7 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
         if depth_kind(view) == DEPTH_REVERSED {
             slope = -slope;
         }
-        slope_limit = plane_limit(light, view, receiver_w);
+        slope_limit = plane_limit(light, view, receiver_w, axis_distance);
     }
     let point = receiver.point + normal * (offset + normal_step(light, view, receiver.point, normal, receiver_w));
     let w = row_times_point(views[view].clip_w, point);
@@ -109,7 +175,20 @@ fn lookup(light: u32, receiver: Receiver) -> Lookup {
 }
 
 fn visibility(light: u32, receiver: Receiver) -> f32 {
-    var found = lookup(light, receiver);
+    let choice = choose_views(light, receiver);
+    if choice.first == NO_VIEW {
+        return choice.known;
+    }
+    let first = visibility_in_view(light, choice.first, receiver);
+    if blends_views(light) && choice.share > 0.0 {
+        let second = visibility_in_view(light, choice.second, receiver);
+        return first + (second - first) * choice.share;
+    }
+    return first;
+}
+
+fn visibility_in_view(light: u32, view: u32, receiver: Receiver) -> f32 {
+    var found = lookup_in_view(light, view, receiver);
     if found.view == NO_VIEW {
         return found.known;
     }

@@ -231,7 +231,7 @@ pub struct ViewPlan {
     pub world_from_texel_y: [f32; 4],
     /// The third column.
     pub world_from_depth: [f32; 4],
-    /// The rays through the texels, for casters that are tested at each texel. Origins are homogeneous: see [`texel_ray`](crate::triangle::texel_ray).
+    /// The rays through the texels, for casters that are tested at each texel. Origins are homogeneous: see [`texel_ray`](crate::caster::texel_ray).
     pub rays: PixelRays,
     /// NDC x and y times this, plus `texel_offset`, are texels of the layer.
     pub texel_scale: [f32; 2],
@@ -298,6 +298,12 @@ impl ViewPlan {
     #[must_use]
     pub fn outcome(&self) -> FitOutcome {
         FitOutcome::of_code(self.fit_outcome).unwrap_or_default()
+    }
+
+    /// Whether the view means nothing in a part of the world.
+    #[must_use]
+    pub fn has_half_space(&self) -> bool {
+        self.half_space != [0.0, 0.0, 0.0, 1.0]
     }
 
     /// Whether there is a map: something is seen in it.

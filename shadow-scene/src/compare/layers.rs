@@ -10,7 +10,8 @@ use shadow_math::{
     plan::{BIAS_RECEIVER_GRADIENT, ViewPlan},
     srgb::encode_pixel,
     vector::row_times_point,
-    visibility::{NO_VIEW, lookup},
+    Receiver,
+    visibility::{Lookup, NO_VIEW, choose_views, lookup_in_view},
 };
 
 use super::{CompareError, Comparison, Contract, LayerComparison, LeftOut, tolerance};
@@ -311,17 +312,31 @@ impl Judge<'_> {
         }
         let receiver = self.scene.receiver(triangle, &self.plan.camera.rays, [x, y]);
         let plan = &self.plan.lights[light as usize];
-        let found = lookup(plan, &self.plan.views, &receiver);
+        let choice = choose_views(plan, &self.plan.views, &receiver);
+        // Between two cascades both count.
+        let asked = [Some(choice.first), (choice.share > 0.0).then_some(choice.second)];
+        for index in asked.into_iter().flatten().filter(|index| *index != NO_VIEW) {
+            let found = lookup_in_view(plan, &self.plan.views[index as usize], index, &receiver);
+            if let Some(excuse) = self.excuse_of_lookup(light, &receiver, &found)? {
+                return Ok(Some(excuse));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Why what a lookup finds may differ.
+    fn excuse_of_lookup(&self, light: u32, receiver: &Receiver, found: &Lookup) -> Result<Option<Excuse>, CompareError> {
         if found.view == NO_VIEW {
             return Ok(None);
         }
+        let plan = &self.plan.lights[light as usize];
         let view = &self.plan.views[found.view as usize];
         let name = LayerName::ShadowMap { light, view: found.view - plan.first_view };
         let (map_a, map_b) = self.needed(LayerName::Visibility { light }, name)?;
         let size = self.plan.map_size;
         let inside = |v: i32| v >= 0 && v < size as i32;
         let mut taps = Vec::new();
-        for_each_weighted_tap(plan, &found, |tap| taps.push(tap));
+        for_each_weighted_tap(plan, found, |tap| taps.push(tap));
         // The bias that is read off the maps may differ with them.
         let read_off = |frame| {
             let maps = FrameMaps::of(frame, self.plan).filter(|_| plan.bias & BIAS_RECEIVER_GRADIENT != 0);
@@ -335,7 +350,7 @@ impl Judge<'_> {
             if distance(map_a[index], map_b[index]) > allowed {
                 return Ok(Some(Excuse::MapCoverage));
             }
-            let compared = f64::from(tap_depth(plan, view, &found, tap.x, tap.y)) - f64::from(found.bias) - bias_a;
+            let compared = f64::from(tap_depth(plan, view, found, tap.x, tap.y)) - f64::from(found.bias) - bias_a;
             let margin = compared - f64::from(comparable_depth(view, map_a[index]));
             tie |= margin.abs() <= allowed + (bias_a - bias_b).abs();
         }
@@ -343,7 +358,7 @@ impl Judge<'_> {
         let reach = tolerance::TEXEL_BORDER.max(view.rounding_texels[0] + view.rounding_texels[1] / w);
         let border = |coordinate: f32| (coordinate - coordinate.round()).abs() < reach;
         // Bilinear and separable filters are continuous over a texel's border; a single test is not.
-        for_each_test_place(plan, &found, |place| tie |= border(place.x) || border(place.y));
+        for_each_test_place(plan, found, |place| tie |= border(place.x) || border(place.y));
         let rounding = view.rounding_depth[0] + view.rounding_depth[1] / w;
         Ok(tie.then_some(Excuse::Tie { bias_is_below_rounding: found.bias < rounding }))
     }
