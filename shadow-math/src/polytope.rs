@@ -23,6 +23,9 @@ pub const MAX_PLANES: usize = 32;
 /// one plane is its own and each other one holds at most one of its edges.
 pub const MAX_VERTICES: usize = 2 * MAX_PLANES - 4;
 
+/// The most new vertices of a cut: those of its face, which has at most one edge in common with each other plane.
+const MAX_CUTS: usize = MAX_PLANES - 1;
+
 /// How far from a plane a vertex may lie and still count as on it, as a share of the largest coordinate that the body began with.
 ///
 /// A distance to a plane is a sum of four terms, each about as large as that coordinate, of numbers that carry a few roundings of its size: all in all
@@ -177,8 +180,11 @@ impl Polytope {
             };
             inner |= u64::from(bits(out).filter(|to| self.is_edge(from, *to)).any(goes_on)) << from;
         }
-        let room = MAX_VERTICES - kept.count_ones() as usize;
-        let Some(cuts) = self.cut_edges(&distances, inner, out, room) else { return };
+        let room = (MAX_VERTICES - kept.count_ones() as usize).min(MAX_CUTS);
+        let mut cuts = Cuts { vertices: [(DVec3::ZERO, 0); MAX_CUTS], len: 0 };
+        if !self.cut_edges(&distances, inner, out, room, &mut cuts) {
+            return;
+        }
         for i in bits(kept & !inner) {
             self.planes[i] |= bit;
         }
@@ -216,38 +222,37 @@ impl Polytope {
         has_two_bits(self.planes[a] & self.planes[b]) || self.len == 2
     }
 
-    /// Where a plane cuts the edges between two sets of vertices; `None` if there is no room for so many.
-    fn cut_edges(&self, distances: &[f64; MAX_VERTICES], inner: u64, out: u64, room: usize) -> Option<Cuts> {
-        let mut cuts = Cuts { vertices: [(DVec3::ZERO, 0); MAX_VERTICES], len: 0 };
-        for to in bits(out) {
-            for from in bits(inner).filter(|from| self.is_edge(*from, to)) {
+    /// Adds where a plane cuts the edges between two sets of vertices; `false` if there is no room for so many.
+    fn cut_edges(&self, distances: &[f64; MAX_VERTICES], inner: u64, out: u64, room: usize, cuts: &mut Cuts) -> bool {
+        bits(out).all(|to| {
+            bits(inner).filter(|from| self.is_edge(*from, to)).all(|from| {
                 let share = distances[from] / (distances[from] - distances[to]);
                 let point = self.points[from].lerp(self.points[to], share);
-                let planes = self.planes[from] & self.planes[to];
-                if !cuts.add(point, planes, self.tolerance, room) {
-                    return None;
-                }
-            }
-        }
-        Some(cuts)
+                cuts.add(point, self.planes[from] & self.planes[to], self.tolerance, room)
+            })
+        })
     }
 
     /// The bit of a plane that is not in use. If all are, those that hold less than three vertices of a solid are given up first: they touch it.
     fn spare_plane(&mut self) -> Option<u32> {
-        // The planes of at least one, two and three vertices.
-        let (mut one, mut two, mut three) = (0, 0, 0);
-        let mut common = u32::MAX;
-        for &planes in &self.planes[..self.len] {
-            three |= two & planes;
-            two |= one & planes;
-            one |= planes;
-            common &= planes;
-        }
-        if one == u32::MAX && common == 0 {
+        let mut used = self.planes[..self.len].iter().fold(0, |used, planes| used | planes);
+        if used == u32::MAX && self.common_planes() == 0 {
+            // The planes of at least one, two and three vertices.
+            let (mut one, mut two, mut three) = (0, 0, 0);
+            for &planes in &self.planes[..self.len] {
+                three |= two & planes;
+                two |= one & planes;
+                one |= planes;
+            }
             self.planes[..self.len].iter_mut().for_each(|planes| *planes &= three);
-            one = three;
+            used = three;
         }
-        (one != u32::MAX).then(|| 1 << one.trailing_ones())
+        (used != u32::MAX).then(|| 1 << used.trailing_ones())
+    }
+
+    /// The planes that all vertices lie on: none for a solid.
+    fn common_planes(&self) -> u32 {
+        self.planes[..self.len].iter().fold(u32::MAX, |common, planes| common & planes)
     }
 
     /// Gives a body in which all vertices share several planes the form that its dimension asks for.
@@ -255,7 +260,7 @@ impl Polytope {
     /// A flat body's planes but for one are forgotten, or its diagonals would be taken for edges. Of a segment only the ends are kept, and of a point
     /// only one.
     fn flatten(&mut self) {
-        let common = self.planes[..self.len].iter().fold(u32::MAX, |common, planes| common & planes);
+        let common = self.common_planes();
         if self.len < 2 || common.count_ones() < 2 {
             return;
         }
@@ -284,7 +289,7 @@ impl Polytope {
 
 /// New vertices, each with the planes that it lies on besides the one that made it.
 struct Cuts {
-    vertices: [(DVec3, u32); MAX_VERTICES],
+    vertices: [(DVec3, u32); MAX_CUTS],
     len: usize,
 }
 

@@ -196,7 +196,8 @@ mod tests {
                 let b = hull[(i + 1) % hull.len()];
                 let c = hull[(i + 2) % hull.len()];
                 prop_assert!(cloud.contains(a));
-                prop_assert!(hull.len() < 3 || (b - a).perp_dot(c - b) > 0.0, "no left turn at {}", b);
+                let right = (b - a).perp_dot(a - c);
+                prop_assert!(right <= rounding(&cloud) * (c - a).length(), "a right turn at {}", b);
                 for point in &cloud {
                     let outside = -(b - a).normalize_or_zero().perp_dot(*point - a);
                     prop_assert!(outside <= rounding(&cloud), "{} lies {} outside", point, outside);
