@@ -85,6 +85,8 @@ pub mod camera;
 pub mod frustum;
 pub mod convex;
 pub mod polytope;
+pub mod rectangle;
+pub mod splits;
 pub mod light;
 pub mod settings;
 pub mod depth;

@@ -23,6 +23,9 @@ pub const MAX_PLANES: usize = 32;
 /// one plane is its own and each other one holds at most one of its edges.
 pub const MAX_VERTICES: usize = 2 * MAX_PLANES - 4;
 
+/// The most new vertices of a cut: those of its face, which has at most one edge in common with each other plane.
+const MAX_CUTS: usize = MAX_PLANES - 1;
+
 /// How far from a plane a vertex may lie and still count as on it, as a share of the largest coordinate that the body began with.
 ///
 /// A distance to a plane is a sum of four terms, each about as large as that coordinate, of numbers that carry a few roundings of its size: all in all
@@ -168,24 +171,32 @@ impl Polytope {
             return;
         }
         let Some(bit) = self.spare_plane() else { return };
-        let Some(cuts) = self.cut_edges(&distances, on, out, kept) else { return };
+        // A vertex on the plane is where its edges meet the plane, but not where it lies on the inner side, by however little, and one of them runs along
+        // the plane so closely that it goes on for more than the tolerance.
+        for from in bits(kept & !inner).filter(|from| distances[*from] > 0.0) {
+            let goes_on = |to: usize| {
+                let share = distances[from] / (distances[from] - distances[to]);
+                share * self.points[from].distance(self.points[to]) > self.tolerance
+            };
+            inner |= u64::from(bits(out).filter(|to| self.is_edge(from, *to)).any(goes_on)) << from;
+        }
+        let room = (MAX_VERTICES - kept.count_ones() as usize).min(MAX_CUTS);
+        let mut cuts = Cuts { vertices: [(DVec3::ZERO, 0); MAX_CUTS], len: 0 };
+        if !self.cut_edges(&distances, inner, out, room, &mut cuts) {
+            return;
+        }
         for i in bits(kept & !inner) {
             self.planes[i] |= bit;
-        }
-        let mut fresh = [(DVec3::ZERO, 0); MAX_VERTICES];
-        for ((from, to), fresh) in cuts.edges().zip(&mut fresh) {
-            let share = distances[from] / (distances[from] - distances[to]);
-            *fresh = (self.points[from].lerp(self.points[to], share), self.planes[from] & self.planes[to] | bit);
         }
         // New vertices take the places of those that are gone. If these are more, the last ones that stay fill up what is left, from the last
         // place on, so that none that is gone comes last.
         let mut holes = out;
-        for &(point, planes) in &fresh[..cuts.len] {
+        for &(point, planes) in &cuts.vertices[..cuts.len] {
             if holes == 0 {
-                self.push(point, planes);
+                self.push(point, planes | bit);
             } else {
                 let hole = holes.trailing_zeros() as usize;
-                (self.points[hole], self.planes[hole]) = (point, planes);
+                (self.points[hole], self.planes[hole]) = (point, planes | bit);
                 holes &= holes - 1;
             }
         }
@@ -205,51 +216,43 @@ impl Polytope {
         self.len += 1;
     }
 
-    /// The edges that a plane cuts, each as the vertex that is kept and the one that is not; `None` if there is no room for the new vertices.
-    fn cut_edges(&self, distances: &[f64; MAX_VERTICES], on: f64, out: u64, kept: u64) -> Option<Cuts> {
-        let room = MAX_VERTICES - kept.count_ones() as usize;
-        let mut cuts = Cuts { edges: [(0, 0); MAX_VERTICES], len: 0 };
-        for to in bits(out) {
-            for from in bits(kept) {
-                let shared = self.planes[from] & self.planes[to];
-                // Two bits or more. The ends of a segment are an edge whatever they share.
-                if shared & shared.wrapping_sub(1) == 0 && self.len != 2 {
-                    continue;
-                }
-                // A vertex on the plane is where the edge meets it, unless it lies on the inner side and the edge runs along the plane so closely that
-                // it goes on for more than the tolerance.
-                if distances[from] <= on {
-                    let share = distances[from] / (distances[from] - distances[to]);
-                    if !(share * self.points[from].distance(self.points[to]) > self.tolerance) {
-                        continue;
-                    }
-                }
-                if cuts.len == room {
-                    return None;
-                }
-                cuts.edges[cuts.len] = (from as u8, to as u8);
-                cuts.len += 1;
-            }
-        }
-        Some(cuts)
+    /// Whether two vertices are the ends of an edge.
+    fn is_edge(&self, a: usize, b: usize) -> bool {
+        // The ends of a segment are an edge whatever they share.
+        has_two_bits(self.planes[a] & self.planes[b]) || self.len == 2
+    }
+
+    /// Adds where a plane cuts the edges between two sets of vertices; `false` if there is no room for so many.
+    fn cut_edges(&self, distances: &[f64; MAX_VERTICES], inner: u64, out: u64, room: usize, cuts: &mut Cuts) -> bool {
+        bits(out).all(|to| {
+            bits(inner).filter(|from| self.is_edge(*from, to)).all(|from| {
+                let share = distances[from] / (distances[from] - distances[to]);
+                let point = self.points[from].lerp(self.points[to], share);
+                cuts.add(point, self.planes[from] & self.planes[to], self.tolerance, room)
+            })
+        })
     }
 
     /// The bit of a plane that is not in use. If all are, those that hold less than three vertices of a solid are given up first: they touch it.
     fn spare_plane(&mut self) -> Option<u32> {
-        // The planes of at least one, two and three vertices.
-        let (mut one, mut two, mut three) = (0, 0, 0);
-        let mut common = u32::MAX;
-        for &planes in &self.planes[..self.len] {
-            three |= two & planes;
-            two |= one & planes;
-            one |= planes;
-            common &= planes;
-        }
-        if one == u32::MAX && common == 0 {
+        let mut used = self.planes[..self.len].iter().fold(0, |used, planes| used | planes);
+        if used == u32::MAX && self.common_planes() == 0 {
+            // The planes of at least one, two and three vertices.
+            let (mut one, mut two, mut three) = (0, 0, 0);
+            for &planes in &self.planes[..self.len] {
+                three |= two & planes;
+                two |= one & planes;
+                one |= planes;
+            }
             self.planes[..self.len].iter_mut().for_each(|planes| *planes &= three);
-            one = three;
+            used = three;
         }
-        (one != u32::MAX).then(|| 1 << one.trailing_ones())
+        (used != u32::MAX).then(|| 1 << used.trailing_ones())
+    }
+
+    /// The planes that all vertices lie on: none for a solid.
+    fn common_planes(&self) -> u32 {
+        self.planes[..self.len].iter().fold(u32::MAX, |common, planes| common & planes)
     }
 
     /// Gives a body in which all vertices share several planes the form that its dimension asks for.
@@ -257,7 +260,7 @@ impl Polytope {
     /// A flat body's planes but for one are forgotten, or its diagonals would be taken for edges. Of a segment only the ends are kept, and of a point
     /// only one.
     fn flatten(&mut self) {
-        let common = self.planes[..self.len].iter().fold(u32::MAX, |common, planes| common & planes);
+        let common = self.common_planes();
         if self.len < 2 || common.count_ones() < 2 {
             return;
         }
@@ -284,16 +287,63 @@ impl Polytope {
     }
 }
 
-/// Edges that a plane cuts, as the indices of their vertices.
+/// New vertices, each with the planes that it lies on besides the one that made it.
 struct Cuts {
-    edges: [(u8, u8); MAX_VERTICES],
+    vertices: [(DVec3, u32); MAX_CUTS],
     len: usize,
 }
 
 impl Cuts {
-    fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.edges[..self.len].iter().map(|(from, to)| (usize::from(*from), usize::from(*to)))
+    /// Adds a vertex, unless it adds nothing to the hull of the others; `false` if there is no room for it.
+    ///
+    /// Without rounding no two of these share two planes: that would be two edges on one line. Where rounding has put several vertices in the place of one
+    /// and where planes are closer than the tolerance, several pairs do, and would become twice as many with every cut. They are made one if they lie in the
+    /// same place. Of three on a line only the ends are kept.
+    fn add(&mut self, point: DVec3, planes: u32, tolerance: f64, room: usize) -> bool {
+        for i in 0..self.len {
+            let (other, shared) = (self.vertices[i].0, self.vertices[i].1 & planes);
+            if !has_two_bits(shared) {
+                continue;
+            }
+            if is_between(point, other, other, tolerance) {
+                self.vertices[i].1 |= planes;
+                return true;
+            }
+            for j in i + 1..self.len {
+                if has_two_bits(self.vertices[j].1 & shared) {
+                    let third = self.vertices[j].0;
+                    if is_between(point, other, third, tolerance) {
+                        return true;
+                    }
+                    for (middle, end, at) in [(other, third, i), (third, other, j)] {
+                        if is_between(middle, end, point, tolerance) {
+                            self.vertices[at] = (point, planes);
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+        if self.len == room {
+            return false;
+        }
+        self.vertices[self.len] = (point, planes);
+        self.len += 1;
+        true
     }
+}
+
+/// Whether a point lies on a segment, but for a tolerance in metres.
+fn is_between(point: DVec3, begin: DVec3, end: DVec3, tolerance: f64) -> bool {
+    let way = end - begin;
+    let share = ((point - begin).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    // Zero over zero, where the ends coincide.
+    let share = if share.is_nan() { 0.0 } else { share };
+    point.distance_squared(begin + share * way) <= tolerance * tolerance
+}
+
+fn has_two_bits(planes: u32) -> bool {
+    planes & planes.wrapping_sub(1) != 0
 }
 
 /// The places of a word's bits, in ascending order.

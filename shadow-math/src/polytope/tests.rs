@@ -31,8 +31,8 @@ fn largest(body: &Polytope) -> f64 {
 /// A plane to cut with, some through what a body already has.
 #[derive(Clone, Copy, Debug)]
 enum Cut {
-    /// At some place in the body's bounds, from 0 to 1 on each axis.
-    Free { normal: [f64; 3], at: [f64; 3] },
+    /// Across a direction, a share of the body's extent along it from its end.
+    Free { normal: [f64; 3], share: f64 },
     /// Across one of the axes.
     Across { axis: usize, is_lower: bool, at: [f64; 3] },
     /// Through one of the vertices.
@@ -52,7 +52,11 @@ impl Cut {
             min + DVec3::from(at) * (max - min)
         };
         let (normal, point) = match self {
-            Self::Free { normal, at } => (normal.into(), place(at)),
+            Self::Free { normal, share } => {
+                let normal = DVec3::from(normal).normalize_or_zero();
+                let (min, max) = body.extent_along(normal);
+                return normal.extend(-(min + share * (max - min)));
+            }
             Self::Across { axis, is_lower, at } => (DVec3::AXES[axis] * if is_lower { 1.0 } else { -1.0 }, place(at)),
             Self::Vertex { vertex: i, normal } => (normal.into(), vertex(i)),
             Self::Edge { vertices: [i, j], normal } => ((vertex(j) - vertex(i)).cross(normal.into()), vertex(i)),
@@ -75,7 +79,9 @@ fn vector() -> impl Strategy<Value = [f64; 3]> {
 fn cut() -> impl Strategy<Value = Cut> {
     let at = || prop::array::uniform3(0.0..1.0_f64);
     prop_oneof![
-        4 => (vector(), at()).prop_map(|(normal, at)| Cut::Free { normal, at }),
+        2 => (vector(), 0.0..1.0_f64).prop_map(|(normal, share)| Cut::Free { normal, share }),
+        // These leave most of the body, so that it comes to have many faces.
+        6 => (vector(), 0.0..0.2_f64).prop_map(|(normal, share)| Cut::Free { normal, share }),
         1 => (0..3_usize, any::<bool>(), at()).prop_map(|(axis, is_lower, at)| Cut::Across { axis, is_lower, at }),
         1 => (0..60_usize, vector()).prop_map(|(vertex, normal)| Cut::Vertex { vertex, normal }),
         1 => (prop::array::uniform2(0..60_usize), vector()).prop_map(|(vertices, normal)| Cut::Edge { vertices, normal }),
@@ -328,7 +334,7 @@ fn a_cut_through_the_middle_is_a_hexagon() {
     body.clip(DVec4::new(-1.0, -1.0, -1.0, 0.0));
     assert_eq!(body.vertices().len(), 6, "only the hexagon is left of it");
     body.clip(DVec4::new(1.0, -1.0, 0.0, 0.0));
-    assert_eq!(body.vertices().len(), 4, "half of a hexagon has four corners, and its diagonals are no edges");
+    assert_eq!(body.vertices().len(), 5, "three of a hexagon's corners and two new ones: its diagonals are no edges");
 }
 
 #[test]
@@ -406,10 +412,10 @@ fn a_line_and_a_point_are_boxes_too() {
 #[test]
 fn a_plane_almost_along_a_face_takes_no_more_than_it_should() {
     let mut floor = Polytope::from_bounds(aabb([-1.0, 0.0, -1.0], [1.0, 0.0, 1.0]));
-    floor.clip(DVec4::new(1.5 * TOLERANCE, 1.0, 0.0, 0.6 * TOLERANCE));
-    // Without rounding the cut is at -0.4; the tolerance is a metre's.
+    floor.clip(DVec4::new(1.5 * TOLERANCE, 1.0, 0.0, -0.6 * TOLERANCE));
+    // The cut is at 0.4, but for rounding of f64; the tolerance is that of 1 m.
     assert_eq!(floor.extent_along(DVec3::X).1, 1.0);
-    assert!((floor.extent_along(DVec3::X).0 + 0.4).abs() < 1e-9, "{:?}", floor.extent_along(DVec3::X));
+    assert!((floor.extent_along(DVec3::X).0 - 0.4).abs() < 1e-9, "{:?}", floor.extent_along(DVec3::X));
 }
 
 /// Where room runs out, bodies become no smaller than they should be.
