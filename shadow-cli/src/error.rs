@@ -113,6 +113,22 @@ pub(crate) enum CliError {
         /// The biases that it goes with.
         use_with: &'static [&'static str],
     },
+    /// A number without a meaning beside the other choices of the light's cameras.
+    #[error("--{key} has no meaning here; use it with --{}, or leave it out", use_with.join(" or --"))]
+    CameraNumber {
+        /// The option, without its hyphens.
+        key: &'static str,
+        /// The options that it goes with.
+        use_with: &'static [&'static str],
+    },
+    /// A choice of the light's cameras that is none.
+    #[error("--{key}: {problem}")]
+    CameraValue {
+        /// The option, without its hyphens.
+        key: &'static str,
+        /// What stands there, and what could.
+        problem: String,
+    },
     /// An adapter for a renderer that has none.
     #[error(
         "--adapter `{0}` chooses a graphics adapter, but the gpu backend is not used; name gpu in --backend or --backends, or leave it out"
@@ -193,7 +209,7 @@ pub(crate) enum CliError {
         /// Its name.
         name: String,
         /// What is wrong.
-        source: FramePlanError,
+        source: Box<CliError>,
     },
     /// A choice of a scene where none is read.
     #[error("{0} chooses a scene, which only --convert needs; add --convert FROM --to ENGINE, or leave it out")]

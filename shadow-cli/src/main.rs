@@ -11,6 +11,8 @@ mod colors;
 mod args;
 mod specs;
 mod bias;
+mod light_camera;
+mod feedback;
 mod settings_file;
 mod presets;
 mod shadowing;

@@ -15,6 +15,8 @@ use crate::{
     bias::Meaningless,
     console::Console,
     error::CliError,
+    feedback::feedback,
+    light_camera::LightCameraError,
     memory::Limit,
     settings_file,
     shadowing::Shadowing,
@@ -57,14 +59,18 @@ impl Job {
         let subpixel_bits = args.shadows.subpixel_bits.map_or_else(|| place.subpixel_bits(), Ok)?;
         let (scene_name, scene, limit) = load(&args.scene, console)?;
         let scene = with_casters(with_chosen_lights(scene, &args.lights)?, &args.shadows)?;
-        let shadowing = bias.preset.map_or_else(|| Shadowing::alike(settings), |engine| Shadowing::preset(engine, &scene));
+        let shadowing = match bias.preset {
+            None => Shadowing::alike(settings),
+            Some(engine) => Shadowing::preset(engine, &scene).with(|settings| with_cameras(settings, args))?,
+        };
         let shadowing = shadowing.on_grid(subpixel_bits);
         let mut notes = notes(&scene, args.camera.is_none());
         let (camera_name, camera) = camera(&scene, args.camera.as_ref())?;
         let of_lights = settings_of_lights(&scene, &shadowing, &args.shadows)?;
         let size = (args.size.width, args.size.height);
         let map_size = shadowing.map_size();
-        let plan = FramePlan::with_settings_of(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure)?;
+        let feedback = feedback(&scene, &camera, &of_lights, size)?;
+        let plan = FramePlan::with_all(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure, &feedback)?;
         let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
         notes.extend(shadowing.notes(&scene));
@@ -145,7 +151,16 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         use_with,
     })?;
     let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator, .. } = args.shadows;
-    Ok(ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() })
+    let settings = ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() };
+    with_cameras(settings, args)
+}
+
+/// Settings with the light cameras that were chosen.
+pub(crate) fn with_cameras(settings: ShadowSettings, args: &PictureArgs) -> Result<ShadowSettings, CliError> {
+    args.shadows.cameras.of(settings).map_err(|error| match error {
+        LightCameraError::Meaningless(Meaningless { key, use_with }) => CliError::CameraNumber { key, use_with },
+        LightCameraError::Value { key, problem } => CliError::CameraValue { key, problem },
+    })
 }
 
 /// The scene with the lights and objects that cast shadows as they are wanted.

@@ -8,7 +8,7 @@ use std::{fs, ops::Range, path::Path};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use shadow_math::{
-    Filter, Fit, ShadowSettings, Split, Store, Terminator, Texels,
+    Filter, Fit, FitFrom, Selection, ShadowSettings, Store, Terminator, Texels,
     settings::{FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
 };
 use toml::Spanned;
@@ -16,6 +16,7 @@ use toml::Spanned;
 use crate::{
     bias::{BiasNames, BiasNumbers, Meaningless, summary},
     error::CliError,
+    light_camera::{self, LightCameraArgs, LightCameraError, SplitsSpec},
 };
 
 /// The default settings with comments, as `shadow settings` prints them.
@@ -25,11 +26,47 @@ pub(crate) const DEFAULT_TEXT: &str = r#"# How lights are shadowed. Every key ma
 # What reports call it; left out, it is the file's name.
 # name = "default"
 
-# Where the samples of a map go: "uniform" (over all that the light reaches).
+# Where the samples of a map go: "uniform" (over all that the light reaches), "focused" (what the camera sees and something can shadow), "lispsm" (the same, with more samples near the camera),
+# "plane-optimal" (a texel for each pixel of a plane), "ogre-uniform" or "ogre-lispsm" (what OGRE computes by itself).
 fit = "uniform"
 
-# How many maps share the view: "single" (as few as can cover the light) or "cube" (six around a spot or point light).
+# What fits follow: "frustum" (all that the camera could see) or "samples" (what its pixels show).
+# fit-from = "frustum"
+
+# The plane of "plane-optimal", normal and offset; left out, it is the one that most pixels show.
+# plane = [0.0, 1.0, 0.0, 0.0]
+
+# How many maps share the view: "single" (as few as can cover the light), "cube" (six around a spot or point light) or "cascades" (one for each range of distances from the camera).
 split = "single"
+
+# With "cascades": how many, from 1 to 8.
+# cascades = 4
+
+# Where cascades end: "uniform", "logarithmic", "practical", "histogram" (as many samples in each), or a list of distances in metres, one fewer than cascades.
+# splits = "practical"
+
+# The share of logarithmic in "practical", from 0 to 1.
+# lambda = 0.8
+
+# By how many metres each cascade reaches beyond its ends.
+# padding = 0.0
+
+# The share of each cascade, before its end, that is blended with the next one.
+# cascade-blend = 0.0
+
+# How points choose a cascade: by "depth" or by "containment".
+# cascade-select = "depth"
+
+# Whether the texels of cascades stand still while the camera moves and turns: with "uniform", for directional lights, and with maps of a power of two.
+# stabilise = false
+
+# Map sizes, fits and factors on the best warp of each cascade; the last of a list goes on.
+# cascade-sizes = [2048, 1024, 512]
+# cascade-fits = ["lispsm", "focused"]
+# lispsm-factors = [1.0]
+
+# How far from the camera there are shadows, in metres; left out, as far as anything is seen.
+# shadow-distance = 100.0
 
 # What a texel remembers: "depth32", "depth24" or "depth16" (the nearest caster's depth, as a float or rounded to so many bits), "reversed32" (1 minus that), "linear" (the distance along
 # the light's axis), "second" (the second surface's depth) or "midpoint" (half-way between the first and the second).
@@ -103,8 +140,21 @@ pub(crate) struct NamedSettings {
 #[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
 struct File {
     name: Option<String>,
-    fit: Fit,
-    split: Split,
+    fit: Option<Fit>,
+    fit_from: Option<FitFrom>,
+    plane: Option<[f32; 4]>,
+    split: Option<String>,
+    cascades: Option<u32>,
+    splits: Option<SplitsSpec>,
+    lambda: Option<f32>,
+    padding: Option<f32>,
+    cascade_blend: Option<f32>,
+    cascade_select: Option<Selection>,
+    stabilise: bool,
+    cascade_sizes: Option<Vec<u32>>,
+    cascade_fits: Option<Vec<Fit>>,
+    lispsm_factors: Option<Vec<f32>>,
+    shadow_distance: Option<f32>,
     store: Store,
     texels: Texels,
     filter: Filter,
@@ -210,7 +260,24 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
             return Err(at(Some(size.span()), problem));
         }
     };
-    let File { name, fit, split, store, texels, filter, terminator, .. } = file;
+    let cameras = LightCameraArgs {
+        fit: file.fit,
+        fit_from: file.fit_from,
+        plane: file.plane,
+        split: file.split,
+        cascades: file.cascades,
+        splits: file.splits,
+        lambda: file.lambda,
+        padding: file.padding,
+        cascade_blend: file.cascade_blend,
+        cascade_select: file.cascade_select,
+        stabilise: file.stabilise,
+        cascade_sizes: file.cascade_sizes,
+        cascade_fits: file.cascade_fits,
+        lispsm_factors: file.lispsm_factors,
+        shadow_distance: file.shadow_distance,
+    };
+    let File { name, store, texels, filter, terminator, .. } = file;
     if let Some(radius) = &file.filter_radius {
         let problem = match filter.radii() {
             None => Some(format!(
@@ -227,21 +294,25 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
         }
     }
     let filter_radius = file.filter_radius.map(Spanned::into_inner);
-    Ok((
-        name,
-        ShadowSettings {
-            fit,
-            split,
-            store,
-            texels,
-            bias,
-            filter,
-            filter_radius,
-            terminator,
-            map_size,
-            ..ShadowSettings::default()
-        },
-    ))
+    let settings =
+        ShadowSettings { store, texels, bias, filter, filter_radius, terminator, map_size, ..ShadowSettings::default() };
+    let settings = cameras.of(settings).map_err(|error| {
+        let (key, problem) = match error {
+            LightCameraError::Meaningless(Meaningless { key, use_with }) => {
+                let use_with: Vec<String> = use_with.iter().map(|said| said.replacen(' ', " = \"", 1) + "\"").collect();
+                (key, format!("{key} has no meaning here; use it with {}, or leave it out", use_with.join(" or ")))
+            }
+            LightCameraError::Value { key, problem } => (key, format!("{key}: {problem}")),
+        };
+        SettingsError { line: line_of(text, key), problem }
+    })?;
+    Ok((name, settings))
+}
+
+/// The line of a text, from 1, on which a key stands; the first where it stands nowhere.
+fn line_of(text: &str, key: &str) -> usize {
+    let is_key = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    text.lines().position(is_key).map_or(1, |line| line + 1)
 }
 
 /// Settings as a settings file would have them, for reports.
@@ -249,8 +320,8 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
 #[serde(rename_all = "kebab-case")]
 pub(crate) struct SettingsReport {
     name: String,
-    fit: Fit,
-    split: Split,
+    #[serde(flatten)]
+    cameras: LightCameraArgs,
     store: Store,
     texels: Texels,
     filter: Filter,
@@ -276,20 +347,22 @@ pub(crate) struct SettingsReport {
     /// The bias in a line.
     #[serde(skip)]
     bias_summary: String,
+    /// The light's cameras in a few words.
+    #[serde(skip)]
+    camera_summary: String,
 }
 
 impl SettingsReport {
     /// The settings of a technique that is called `name`.
     pub(crate) fn of(name: &str, settings: &ShadowSettings) -> Self {
         // The grid is a matter of the adapter, not of the technique.
-        let ShadowSettings { fit, split, store, texels, bias, filter, filter_radius, terminator, map_size, subpixel_bits: _ } =
-            *settings;
+        let ShadowSettings { store, texels, bias, filter, filter_radius, terminator, map_size, .. } = *settings;
         let filter_radius = filter.radii().map(|radii| filter_radius.unwrap_or(radii.default));
         let (names, BiasNumbers { constant, scale, normal, limit, gradient, offset, push }) = BiasNames::of(bias);
         Self {
             name: name.into(),
-            fit,
-            split,
+            cameras: LightCameraArgs::saying(settings),
+            camera_summary: light_camera::summary(settings),
             store,
             texels,
             filter,
@@ -338,9 +411,11 @@ impl SettingsReport {
         let is_chosen = |entry: &&(String, Value)| !defaults.contains(entry);
         let option = |(key, value): &(String, Value)| match value {
             Value::String(text) => format!("--{key} {text}"),
-            Value::Array(numbers) => {
-                format!("--{key} {}", numbers.iter().map(Value::to_string).collect::<Vec<_>>().join(","))
+            Value::Array(values) => {
+                let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), String::from);
+                format!("--{key} {}", values.iter().map(text).collect::<Vec<_>>().join(","))
             }
+            Value::Bool(true) => format!("--{key}"),
             value => format!("--{key} {value}"),
         };
         self.entries().iter().filter(is_chosen).map(option).collect::<Vec<_>>().join(" ")
@@ -357,7 +432,8 @@ impl SettingsReport {
         let store = if self.store == Store::default() { String::new() } else { format!(", {}", self.store.name()) };
         let texels = if self.texels == Texels::Direct3d { ", texels as in direct3d" } else { "" };
         let terminator = if self.terminator == Terminator::Soft { ", soft terminator" } else { "" };
-        format!("{} texels, {}{radius}, {}{store}{texels}{terminator}", self.map_size, self.filter.name(), self.bias_summary)
+        let cameras = &self.camera_summary;
+        format!("{} texels{cameras}, {}{radius}, {}{store}{texels}{terminator}", self.map_size, self.filter.name(), self.bias_summary)
     }
 }
 

@@ -1,9 +1,13 @@
 //! How the lights of a scene are shadowed: all alike, or by their kind as a preset has it.
 
 use shadow_math::{Camera, Filter, LightKind, ShadowSettings};
-use shadow_scene::{FramePlan, FramePlanError, Scene};
+use shadow_scene::{FramePlan, Scene};
 
-use crate::presets::{Engine, Kind};
+use crate::{
+    error::CliError,
+    feedback::feedback,
+    presets::{Engine, Kind},
+};
 
 /// Settings for each kind of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,12 @@ impl Shadowing {
     /// The same with another filter, as large as it is by itself.
     pub(crate) fn with_filter(self, filter: Filter) -> Self {
         Self { kinds: self.kinds.map(|settings| ShadowSettings { filter, filter_radius: None, ..settings }), ..self }
+    }
+
+    /// The same with each kind's settings changed.
+    pub(crate) fn with<E>(self, change: impl Fn(ShadowSettings) -> Result<ShadowSettings, E>) -> Result<Self, E> {
+        let [a, b, c] = self.kinds;
+        Ok(Self { kinds: [change(a)?, change(b)?, change(c)?], ..self })
     }
 
     /// The same for rasterisers whose sub-pixel grids have at least so many bits.
@@ -76,8 +86,9 @@ impl Shadowing {
         camera: &Camera,
         size: (u32, u32),
         ev: Option<f32>,
-    ) -> Result<FramePlan, FramePlanError> {
-        FramePlan::with_settings_of(scene, camera, self.map_size(), |_, light| self.of(&light.light.kind), size, ev)
+    ) -> Result<FramePlan, CliError> {
+        let feedback = feedback(scene, camera, &self.kinds, size)?;
+        Ok(FramePlan::with_all(scene, camera, self.map_size(), |_, light| self.of(&light.light.kind), size, ev, &feedback)?)
     }
 
     /// What of a preset is not as in the engine, for the kinds of light that the scene has.

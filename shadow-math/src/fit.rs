@@ -29,7 +29,7 @@ pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
 pub use depth_range::{
     DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, heights_of_casters, range_around_point, range_in_view,
 };
-pub use frame::{LightFrame, Rectangle};
+pub use frame::{LightFrame, Window};
 pub use lispsm::{LispsmWarp, MAX_WARP_PARAMETER, lispsm_view, optimal_warp};
 pub use ogre::{OgreSetup, ogre_frame, ogre_uniform_view, ogre_warp};
 pub use outcome::{FallBack, FitOutcome};

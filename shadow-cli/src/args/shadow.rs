@@ -8,6 +8,7 @@ use shadow_math::{Filter, Store, Terminator, Texels, settings::SUBPIXEL_BITS};
 use super::filter::FilterName;
 use crate::{
     bias::{BiasNames, BiasNumbers, gradient_numbers, offset_numbers},
+    light_camera::LightCameraArgs,
     presets::Engine,
     specs::{ByteSize, Selector, bias_metres, map_size},
 };
@@ -63,6 +64,10 @@ pub(crate) struct ShadowArgs {
         help_heading = "Shadows"
     )]
     pub(crate) map_size: u32,
+
+    /// Where samples go, and how many maps there are.
+    #[command(flatten)]
+    pub(crate) cameras: LightCameraArgs,
 
     /// Bits of the sub-pixel grid that vertices are snapped to where maps are drawn, from 4 to 8 [default: 4 on SwiftShader, else 8]
     ///

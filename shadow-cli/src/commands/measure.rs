@@ -286,7 +286,7 @@ fn techniques(job: &Job, args: &MeasureArgs, from_files: Vec<Technique>) -> Resu
 
 fn plan(job: &Job, technique: &Technique, args: &MeasureArgs) -> Result<FramePlan, CliError> {
     let size = args.picture.size;
-    let failed = |source| CliError::Technique { name: technique.name.clone(), source };
+    let failed = |source| CliError::Technique { name: technique.name.clone(), source: Box::new(source) };
     let plan =
         technique.shadowing.plan(&job.scene, &job.camera, (size.width, size.height), args.picture.exposure).map_err(failed)?;
     composed(plan, &args.picture.shadows)

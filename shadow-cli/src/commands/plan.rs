@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::Serialize;
 use shadow_math::{
     Filter, Fit, Store,
-    plan::{LightPlan, SPLIT_CUBE, ViewPlan},
+    plan::{LightPlan, ViewPlan},
 };
 use shadow_scene::SceneLight;
 
@@ -15,6 +15,7 @@ use crate::{
     bias::{BiasNames, summary},
     console::{Console, print, print_json, table},
     error::CliError,
+    light_camera::split_name,
     resolve::{Job, kind_name, view_names},
     specs::spec_of,
 };
@@ -142,7 +143,7 @@ impl<'a> LightReport<'a> {
             name: &scene_light.name,
             kind: kind_name(&scene_light.light.kind),
             fit: settings.fit,
-            split: if plan.split == SPLIT_CUBE { "cube" } else { "single" },
+            split: split_name(&settings.split),
             store: settings.store,
             bias: BiasReport {
                 name: BiasNames::of(settings.bias).0.to_string(),

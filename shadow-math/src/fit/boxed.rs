@@ -1,9 +1,9 @@
-//! Views of a rectangle of a light's image: the fits without a warp.
+//! Views of a window of a light's image: the fits without a warp.
 
 use glam::{DMat4, DVec2, DVec3, dcamera::rh};
 
 use super::{
-    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, Rectangle, ViewFit, guard_scale,
+    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, Window, ViewFit, guard_scale,
     heights_of_casters, range_in_view,
     uniform::{MIN_EXTENT_SHARE, MIN_RADIUS},
 };
@@ -22,7 +22,7 @@ use crate::{
 pub fn boxed_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size: u32, guard: u32) -> ViewFit {
     let view_from_world = frame.view_from_world();
     let seen = points.iter().map(|&point| view_from_world.transform_point3(point));
-    let Some(image) = Rectangle::around(seen.map(|point| frame.image(point))) else {
+    let Some(image) = Window::around(seen.map(|point| frame.image(point))) else {
         return nothing_visible(frame, size);
     };
     rectangle_view(frame, image, points, casters, size, guard)
@@ -42,7 +42,7 @@ pub fn focused_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size
         *image = frame.image(view_from_world.transform_point3(*point));
     }
     let mut hull = [DVec2::ZERO; MAX_VERTICES];
-    let corners = convex_hull(&images[..count], &mut hull);
+    let corners = convex_hull(&mut images[..count], &mut hull);
     if corners == 0 {
         return nothing_visible(frame, size);
     }
@@ -54,14 +54,14 @@ pub fn focused_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size
 
 /// A view of a frame in which nothing is seen.
 pub(super) fn nothing_visible(frame: &LightFrame, size: u32) -> ViewFit {
-    let image = Rectangle { min: DVec2::NEG_ONE, max: DVec2::ONE };
+    let image = Window { min: DVec2::NEG_ONE, max: DVec2::ONE };
     ViewFit { outcome: FitOutcome::NothingVisible, ..rectangle_view(frame, image, &[], &[], size, 0) }
 }
 
 /// The view of a rectangle of the image; depth reaches as far as the points.
 pub(super) fn rectangle_view(
     frame: &LightFrame,
-    image: Rectangle,
+    image: Window,
     points: &[DVec3],
     casters: &[Aabb],
     size: u32,
@@ -79,20 +79,20 @@ pub(super) fn rectangle_view(
 }
 
 /// A rectangle that is at least wide and high enough to be inverted.
-fn with_extent(frame: &LightFrame, image: Rectangle) -> Rectangle {
+fn with_extent(frame: &LightFrame, image: Window) -> Window {
     let half = image.half();
     // A tangent is a length at a distance of 1 m.
     let least = if frame.is_perspective { MIN_EXTENT_SHARE * 1e-3 } else { MIN_RADIUS };
     let least = (MIN_EXTENT_SHARE * half.max_element()).max(least);
     let (center, half) = (image.center(), half.max(DVec2::splat(least)));
-    Rectangle { min: center - half, max: center + half }
+    Window { min: center - half, max: center + half }
 }
 
 /// The view of a rectangle of a light at a place, as deep as its casters are, and no deeper than `farthest`.
 fn perspective_rectangle(
     frame: &LightFrame,
     view_from_world: DMat4,
-    image: Rectangle,
+    image: Window,
     farthest: f64,
     casters: &[Aabb],
     size: u32,
@@ -100,7 +100,7 @@ fn perspective_rectangle(
     let limit = if farthest > 0.0 && farthest.is_finite() { frame.limit.min(farthest) } else { frame.limit };
     let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
     let range = range_in_view(world_from_view, image, casters, limit);
-    let Rectangle { min, max } = image;
+    let Window { min, max } = image;
     let n = range.near;
     let texel = (max - min) / f64::from(size);
     ViewFit {
@@ -117,7 +117,7 @@ fn perspective_rectangle(
 fn parallel_rectangle(
     frame: &LightFrame,
     view_from_world: DMat4,
-    image: Rectangle,
+    image: Window,
     [lowest, highest]: [f64; 2],
     casters: &[Aabb],
     size: u32,

@@ -7,7 +7,7 @@
 
 use glam::{DMat4, DVec3};
 
-use super::Rectangle;
+use super::Window;
 use crate::{bounds::Aabb, convex::intersect, frustum::Frustum};
 
 /// The near plane of a perspective view lies at least at this share of the far plane's distance.
@@ -43,7 +43,7 @@ pub fn distance_to_box(point: DVec3, bounds: Aabb) -> f64 {
 /// `image` is what the view has of the plane at a distance of 1 m, in metres; `limit` is the distance beyond which nothing is to be shadowed, infinite for none.
 /// Without a caster in view, the range lies around 1 m, or the limit if that is nearer: the map then stays empty and everything is lit.
 #[must_use]
-pub fn range_in_view(world_from_view: DMat4, image: Rectangle, casters: &[Aabb], limit: f64) -> DepthRange {
+pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], limit: f64) -> DepthRange {
     let view_from_world = world_from_view.inverse();
     let farthest =
         casters.iter().map(|caster| -caster.transformed(view_from_world).0.z).filter(|far| far.is_finite()).fold(0.0, f64::max);
@@ -54,7 +54,7 @@ pub fn range_in_view(world_from_view: DMat4, image: Rectangle, casters: &[Aabb],
         let slice = [farthest.min(limit) * MIN_NEAR_SHARE, farthest];
         let corner = |i: usize| {
             let distance = slice[i / 4];
-            let Rectangle { min, max } = image;
+            let Window { min, max } = image;
             let (x, y) = [(max.x, max.y), (min.x, max.y), (min.x, min.y), (max.x, min.y)][i % 4];
             world_from_view.transform_point3(DVec3::new(x, y, -1.0) * distance)
         };
@@ -74,7 +74,7 @@ pub fn range_in_view(world_from_view: DMat4, image: Rectangle, casters: &[Aabb],
 ///
 /// Each caster counts with its box in light space, as high as it is anywhere: a plain test for each of many casters, and never too narrow.
 #[must_use]
-pub fn heights_of_casters(view_from_world: DMat4, image: Rectangle, casters: &[Aabb]) -> Option<[f64; 2]> {
+pub fn heights_of_casters(view_from_world: DMat4, image: Window, casters: &[Aabb]) -> Option<[f64; 2]> {
     let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
     for caster in casters {
         let (min, max) = caster.transformed(view_from_world);
@@ -117,8 +117,8 @@ mod tests {
 
     use super::*;
 
-    fn square(half: f64) -> Rectangle {
-        Rectangle { min: DVec2::splat(-half), max: DVec2::splat(half) }
+    fn square(half: f64) -> Window {
+        Window { min: DVec2::splat(-half), max: DVec2::splat(half) }
     }
 
     #[test]

@@ -21,16 +21,16 @@ pub struct LightFrame {
     pub limit: f64,
 }
 
-/// A rectangle in a light's image, with sides along the image's axes.
+/// A rectangle of a light's image, with sides along the image's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rectangle {
+pub struct Window {
     /// The corner with the smallest coordinates.
     pub min: DVec2,
     /// The corner with the largest coordinates.
     pub max: DVec2,
 }
 
-impl Rectangle {
+impl Window {
     /// The smallest one around some points; `None` around none.
     #[must_use]
     pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {

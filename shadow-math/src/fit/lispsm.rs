@@ -16,7 +16,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
-    DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, Rectangle, ViewFit,
+    DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, Window, ViewFit,
     boxed::{boxed_view, depth_of_heights, nothing_visible},
     guard_scale, heights_of_casters, range_in_view,
     uniform::MIN_EXTENT_SHARE,
@@ -86,7 +86,7 @@ pub fn lispsm_view(
     let frame = &frame.rolled(warp.toward_camera);
     let view_from_world = frame.view_from_world();
     let of_view = || points.iter().map(|&point| view_from_world.transform_point3(point));
-    let Some(image) = Rectangle::around(of_view().map(|point| frame.image(point))) else {
+    let Some(image) = Window::around(of_view().map(|point| frame.image(point))) else {
         return nothing_visible(frame, size);
     };
     let length = image.max.y - image.min.y;
@@ -159,7 +159,7 @@ struct LightSpace {
 }
 
 impl LightSpace {
-    fn of(frame: &LightFrame, view_from_world: DMat4, image: Rectangle, points: &[DVec3], casters: &[Aabb]) -> Self {
+    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, points: &[DVec3], casters: &[Aabb]) -> Self {
         let heights = points.iter().map(|&point| view_from_world.transform_point3(point).z);
         let [lowest, highest] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
         if frame.is_perspective {

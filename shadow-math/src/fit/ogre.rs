@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-use super::{LightFrame, Rectangle, Subject, ViewFit, boxed::rectangle_view};
+use super::{LightFrame, Window, Subject, ViewFit, boxed::rectangle_view};
 use crate::{
     camera::Camera,
     light::{Light, LightKind},
@@ -78,7 +78,7 @@ pub fn ogre_uniform_view(light: &Light, camera: &Camera, setup: &OgreSetup, subj
     let frame = ogre_frame(light, camera, setup);
     let corners = subject.bounds.corners().map(|corner| corner.as_dvec3());
     let image = if frame.is_perspective {
-        Rectangle { min: DVec2::splat(-frame.reach), max: DVec2::splat(frame.reach) }
+        Window { min: DVec2::splat(-frame.reach), max: DVec2::splat(frame.reach) }
     } else {
         let texel = 2.0 * setup.far_distance / f64::from(size);
         let back = frame.rotation * DVec3::Z;
@@ -87,7 +87,7 @@ pub fn ogre_uniform_view(light: &Light, camera: &Camera, setup: &OgreSetup, subj
         // As C's fmod: what is left over has the sign of what is divided.
         let snapped = center - center % texel;
         let half = DVec2::splat(setup.far_distance);
-        Rectangle { min: snapped - half, max: snapped + half }
+        Window { min: snapped - half, max: snapped + half }
     };
     rectangle_view(&frame, image, &corners, subject.casters, size, 0)
 }

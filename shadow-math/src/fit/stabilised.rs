@@ -11,7 +11,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, dcamera::rh};
 
 use super::{
-    DepthRange, Eye, LightFrame, Rectangle, Subject, ViewFit, boxed::depth_of_heights, heights_of_casters, uniform::rigid_inverse,
+    DepthRange, Eye, LightFrame, Window, Subject, ViewFit, boxed::depth_of_heights, heights_of_casters, uniform::rigid_inverse,
 };
 use crate::{camera::Projection, depth::DepthScale};
 
@@ -84,7 +84,7 @@ pub fn stabilised_view(
     let center = whole * texel - origin;
 
     let bounds = subject.bounds.transformed(light_from_world);
-    let everywhere = Rectangle { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
+    let everywhere = Window { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
     let casters = heights_of_casters(light_from_world, everywhere, subject.casters);
     let [top, bottom] = depth_of_heights(casters, [bounds.0.z, bounds.1.z], sphere.radius);
     let depth = top - bottom;

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec2, DVec3, Vec3, dcamera::rh};
 
-use super::{DepthRange, RANGE_MARGIN, Rectangle, ViewFit, guard_scale, range_in_view};
+use super::{DepthRange, RANGE_MARGIN, Window, ViewFit, guard_scale, range_in_view};
 use crate::{bounds::Aabb, camera::world_from_view_rotation, depth::DepthScale};
 
 /// The smallest extent of a directional light's box on an axis, as a share of the bounds' radius: a scene without
@@ -58,7 +58,7 @@ pub fn spot_view(
     let rotation = world_from_view_rotation(direction.as_dvec3().normalize());
     let half_width = outer_angle.tan() * guard_scale(size, guard);
     let world_from_view = DMat4::from_rotation_translation(rotation, position.as_dvec3());
-    let image = Rectangle { min: DVec2::splat(-half_width), max: DVec2::splat(half_width) };
+    let image = Window { min: DVec2::splat(-half_width), max: DVec2::splat(half_width) };
     let range = range_in_view(world_from_view, image, casters, limit);
     perspective_view(rigid_inverse(rotation, position.as_dvec3()), half_width, range, size)
 }

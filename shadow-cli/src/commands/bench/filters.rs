@@ -125,7 +125,7 @@ fn plan(job: &Job, filter: Filter, exposure: Option<f32>) -> Result<FramePlan, C
     job.shadowing
         .with_filter(filter)
         .plan(&job.scene, &job.camera, (camera.width, camera.height), exposure)
-        .map_err(|source| CliError::Technique { name: filter.name().into(), source })
+        .map_err(|source| CliError::Technique { name: filter.name().into(), source: Box::new(source) })
 }
 
 /// How many depth tests a lookup takes; `None` where that varies.

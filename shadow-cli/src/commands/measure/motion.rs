@@ -98,7 +98,7 @@ impl<'a> Motions<'a> {
             let moved = technique
                 .shadowing
                 .plan(scene, camera, (width, height), ev)
-                .map_err(|source| CliError::Technique { name: technique.name.clone(), source })?;
+                .map_err(|source| CliError::Technique { name: technique.name.clone(), source: Box::new(source) })?;
             let maps = draw_maps(backend, &moved, console)?;
             let after = Moment { plan: &moved, maps: &maps, lights: scene.lights() };
             console.step();

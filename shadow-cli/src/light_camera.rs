@@ -1,0 +1,326 @@
+//! Where samples go and how many maps there are, as it is said: on the command line and in settings files alike.
+
+use clap::{Args as ClapArgs, builder::PossibleValuesParser};
+use serde::{Deserialize, Serialize};
+use shadow_math::{
+    Cascades, Fit, FitFrom, Selection, ShadowSettings, Split, SplitScheme,
+    settings::{DEFAULT_LAMBDA, MAX_CASCADES},
+};
+
+use crate::bias::Meaningless;
+
+/// What can be said of a light's cameras; `None` for what is not.
+#[derive(Clone, Debug, Default, PartialEq, ClapArgs, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
+pub(crate) struct LightCameraArgs {
+    /// Where the samples of a map go: uniform, focused, lispsm, plane-optimal, ogre-uniform or ogre-lispsm [default: uniform]
+    ///
+    /// uniform covers all that the light reaches. focused covers what the camera sees and something can shadow: the smallest rectangle around its image. lispsm warps that, so that what is near to the
+    /// camera has more of the samples (Wimmer et al. 2004). plane-optimal gives each pixel of a plane one texel, whatever the light (Chong and Gortler 2004); what lies off the plane has other texels. ogre-uniform and ogre-lispsm are
+    /// what OGRE computes by itself, for comparison.
+    #[arg(long, value_name = "FIT", value_parser = fit, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fit: Option<Fit>,
+
+    /// What fits follow: frustum (all that the camera could see) or samples (what its pixels show) [default: frustum]
+    ///
+    /// With samples the camera's pass is drawn first, and the points of its pixels bound the fit, as Sample Distribution Shadow Maps have it.
+    #[arg(long, value_name = "frustum|samples", value_parser = fit_from, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fit_from: Option<FitFrom>,
+
+    /// The plane of plane-optimal: nx x + ny y + nz z + d = 0 in the scene's metres, such as 0,1,0,0 for the floor y = 0 [default: the plane that most pixels show]
+    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = plane, allow_negative_numbers = true, allow_hyphen_values = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) plane: Option<[f32; 4]>,
+
+    /// How many maps share the view: single (as few as can cover the light), cube (six around a spot or point light) or cascades (one for each range of distances from the camera) [default: single]
+    #[arg(long, value_name = "SPLIT", value_parser = PossibleValuesParser::new(SPLITS), help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) split: Option<String>,
+
+    /// How many cascades, from 1 to 8 [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_CASCADES as i64), help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cascades: Option<u32>,
+
+    /// Where cascades end: uniform, logarithmic, practical, histogram (as many samples in each), or distances in metres with commas, one fewer than cascades [default: practical]
+    #[arg(long, value_name = "SCHEME|D1,D2..", value_parser = split_distances, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) splits: Option<SplitsSpec>,
+
+    /// The share of logarithmic in practical splits, from 0 (uniform) to 1 [default: 0.8]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) lambda: Option<f32>,
+
+    /// By how many metres each cascade reaches beyond its ends [default: 0]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) padding: Option<f32>,
+
+    /// The share of each cascade, before its end, that is blended with the next one, from 0 to 1 [default: 0]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cascade_blend: Option<f32>,
+
+    /// How points choose a cascade: depth (by their distance from the camera) or containment (the first whose map has them) [default: depth]
+    #[arg(long, value_name = "depth|containment", value_parser = selection, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cascade_select: Option<Selection>,
+
+    /// Cascades whose texels stand still while the camera moves and turns: for directional lights, the fit uniform and maps of a power of two
+    #[arg(long, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) stabilise: bool,
+
+    /// The map size of each cascade in texels, with commas, at most --map-size; the last goes on [default: --map-size]
+    #[arg(long, value_name = "T1,T2..", value_delimiter = ',', help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cascade_sizes: Option<Vec<u32>>,
+
+    /// The fit of each cascade, with commas; the last goes on [default: --fit]
+    #[arg(long, value_name = "F1,F2..", value_delimiter = ',', value_parser = fit, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cascade_fits: Option<Vec<Fit>>,
+
+    /// What the best warp is weakened by in each cascade of lispsm, with commas; 0 does not warp; the last goes on [default: 1]
+    #[arg(long, value_name = "X1,X2..", value_delimiter = ',', allow_negative_numbers = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) lispsm_factors: Option<Vec<f32>>,
+
+    /// How far from the camera, along its axis in metres, there are shadows [default: as far as anything is seen]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) shadow_distance: Option<f32>,
+}
+
+/// The names of splits.
+const SPLITS: [&str; 3] = ["single", "cube", "cascades"];
+
+/// Where cascades end, as it is said.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub(crate) enum SplitsSpec {
+    /// A scheme's name.
+    Scheme(String),
+    /// Distances in metres.
+    Distances(Vec<f32>),
+}
+
+/// What is said of light cameras that makes no sense.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LightCameraError {
+    /// A key that has no meaning beside the others.
+    Meaningless(Meaningless),
+    /// A key whose value is none.
+    Value {
+        /// The key.
+        key: &'static str,
+        /// What stands there, and what could.
+        problem: String,
+    },
+}
+
+impl LightCameraArgs {
+    /// Settings with these cameras.
+    pub(crate) fn of(&self, settings: ShadowSettings) -> Result<ShadowSettings, LightCameraError> {
+        let wrong = |key, problem| LightCameraError::Value { key, problem };
+        let fit = self.fit.unwrap_or_default();
+        let is_cascades = self.split.as_deref() == Some("cascades");
+        let meaningless = |key, use_with| Err(LightCameraError::Meaningless(Meaningless { key, use_with }));
+        if self.plane.is_some() && fit != Fit::PlaneOptimal {
+            return meaningless("plane", &["fit plane-optimal"]);
+        }
+        let of_cascades = [
+            ("cascades", self.cascades.is_some()),
+            ("splits", self.splits.is_some()),
+            ("lambda", self.lambda.is_some()),
+            ("padding", self.padding.is_some()),
+            ("cascade-blend", self.cascade_blend.is_some()),
+            ("cascade-select", self.cascade_select.is_some()),
+            ("stabilise", self.stabilise),
+            ("cascade-sizes", self.cascade_sizes.is_some()),
+            ("cascade-fits", self.cascade_fits.is_some()),
+            ("lispsm-factors", self.lispsm_factors.is_some()),
+        ];
+        if let Some((key, _)) = of_cascades.into_iter().find(|(_, is_said)| *is_said && !is_cascades) {
+            return meaningless(key, &["split cascades"]);
+        }
+        let split = match self.split.as_deref() {
+            None | Some("single") => Split::Single,
+            Some("cube") => Split::Cube,
+            Some("cascades") => Split::Cascades(self.cascades()?),
+            Some(other) => {
+                let names = SPLITS.join(", ");
+                return Err(wrong("split", format!("`{other}` is not a split; take one of {names}")));
+            }
+        };
+        let fit_from = self.fit_from.unwrap_or_default();
+        Ok(ShadowSettings { fit, fit_from, split, plane: self.plane, shadow_distance: self.shadow_distance, ..settings })
+    }
+
+    fn cascades(&self) -> Result<Cascades, LightCameraError> {
+        let wrong = |key, problem| LightCameraError::Value { key, problem };
+        let default = Cascades::default();
+        let count = self.cascades.unwrap_or(default.count);
+        let lambda = self.lambda.unwrap_or(DEFAULT_LAMBDA);
+        let scheme = match &self.splits {
+            None => SplitScheme::Practical(lambda),
+            Some(SplitsSpec::Scheme(name)) => match name.as_str() {
+                "uniform" => SplitScheme::Uniform,
+                "logarithmic" => SplitScheme::Logarithmic,
+                "practical" => SplitScheme::Practical(lambda),
+                "histogram" => SplitScheme::Histogram,
+                _ => return Err(wrong("splits", not_a_scheme(name))),
+            },
+            Some(SplitsSpec::Distances(distances)) => {
+                if distances.len() + 1 != count as usize {
+                    let problem = format!(
+                        "{} distances end {} cascades, and there are {count}: give one distance fewer than cascades, for the last one ends with the shadows",
+                        distances.len(),
+                        distances.len() + 1
+                    );
+                    return Err(wrong("splits", problem));
+                }
+                let mut ends = [0.0; MAX_CASCADES - 1];
+                for (end, distance) in ends.iter_mut().zip(distances) {
+                    *end = *distance;
+                }
+                SplitScheme::Explicit(ends)
+            }
+        };
+        if self.lambda.is_some() && !matches!(scheme, SplitScheme::Practical(_)) {
+            return Err(LightCameraError::Meaningless(Meaningless { key: "lambda", use_with: &["splits practical"] }));
+        }
+        Ok(Cascades {
+            count,
+            scheme,
+            padding: self.padding.unwrap_or(default.padding),
+            blend: self.cascade_blend.unwrap_or(default.blend),
+            selection: self.cascade_select.unwrap_or_default(),
+            stabilised: self.stabilise,
+            map_sizes: going_on(self.cascade_sizes.as_deref(), 0),
+            fits: going_on(self.cascade_fits.as_ref().map(|fits| fits.iter().copied().map(Some).collect::<Vec<_>>()).as_deref(), None),
+            lispsm_factors: going_on(self.lispsm_factors.as_deref(), 1.0),
+        })
+    }
+
+    /// What would have to be said for these settings.
+    pub(crate) fn saying(settings: &ShadowSettings) -> Self {
+        let default = Cascades::default();
+        let ShadowSettings { fit, fit_from, plane, shadow_distance, split, .. } = *settings;
+        let mut said = Self {
+            fit: Some(fit),
+            fit_from: (fit_from != FitFrom::default()).then_some(fit_from),
+            plane,
+            shadow_distance,
+            split: Some(split_name(&split).into()),
+            ..Self::default()
+        };
+        let Split::Cascades(cascades) = split else { return said };
+        let count = cascades.count as usize;
+        said.cascades = Some(cascades.count);
+        (said.splits, said.lambda) = match cascades.scheme {
+            SplitScheme::Uniform => (Some(SplitsSpec::Scheme("uniform".into())), None),
+            SplitScheme::Logarithmic => (Some(SplitsSpec::Scheme("logarithmic".into())), None),
+            SplitScheme::Histogram => (Some(SplitsSpec::Scheme("histogram".into())), None),
+            SplitScheme::Explicit(ends) => (Some(SplitsSpec::Distances(ends[..count - 1].to_vec())), None),
+            SplitScheme::Practical(lambda) => (Some(SplitsSpec::Scheme("practical".into())), Some(lambda)),
+            _ => (None, None),
+        };
+        said.padding = (cascades.padding != default.padding).then_some(cascades.padding);
+        said.cascade_blend = (cascades.blend != default.blend).then_some(cascades.blend);
+        said.cascade_select = (cascades.selection != default.selection).then_some(cascades.selection);
+        said.stabilise = cascades.stabilised;
+        let is_said = |is_default: bool| !is_default;
+        said.cascade_sizes = is_said(cascades.map_sizes == default.map_sizes).then(|| cascades.map_sizes[..count].to_vec());
+        said.cascade_fits = is_said(cascades.fits == default.fits)
+            .then(|| cascades.fits[..count].iter().map(|of_cascade| of_cascade.unwrap_or(fit)).collect());
+        said.lispsm_factors =
+            is_said(cascades.lispsm_factors == default.lispsm_factors).then(|| cascades.lispsm_factors[..count].to_vec());
+        said
+    }
+}
+
+/// The name of a split.
+pub(crate) fn split_name(split: &Split) -> &'static str {
+    match split {
+        Split::Cube => SPLITS[1],
+        Split::Cascades(_) => SPLITS[2],
+        _ => SPLITS[0],
+    }
+}
+
+/// The cameras of some settings in a few words, after a comma; nothing for one uniform map.
+pub(crate) fn summary(settings: &ShadowSettings) -> String {
+    let mut text = String::new();
+    if settings.fit != Fit::default() {
+        text.push_str(&format!(", {}", settings.fit.name()));
+    }
+    if settings.fit_from == FitFrom::Samples {
+        text.push_str(" to samples");
+    }
+    match settings.split {
+        Split::Cube => text.push_str(", a cube"),
+        Split::Cascades(cascades) => {
+            let stabilised = if cascades.stabilised { "stabilised " } else { "" };
+            text.push_str(&format!(", {} {stabilised}cascades", cascades.count));
+        }
+        _ => {}
+    }
+    text
+}
+
+/// A list in as many places as there can be cascades: its last value goes on, and without one `default` does.
+fn going_on<T: Copy, const N: usize>(values: Option<&[T]>, default: T) -> [T; N] {
+    let values = values.unwrap_or(&[]);
+    core::array::from_fn(|place| values.get(place).or(values.last()).copied().unwrap_or(default))
+}
+
+/// A fit, by its name.
+fn fit(text: &str) -> Result<Fit, String> {
+    let names = Fit::ALL.map(Fit::name).join(", ");
+    Fit::ALL.into_iter().find(|fit| fit.name() == text).ok_or_else(|| format!("`{text}` is not a fit; take one of {names}"))
+}
+
+/// What fits follow, by its name.
+fn fit_from(text: &str) -> Result<FitFrom, String> {
+    match text {
+        "frustum" => Ok(FitFrom::Frustum),
+        "samples" => Ok(FitFrom::Samples),
+        _ => Err(format!("`{text}` is nothing that fits follow; take frustum or samples")),
+    }
+}
+
+/// A way to choose a cascade, by its name.
+fn selection(text: &str) -> Result<Selection, String> {
+    match text {
+        "depth" => Ok(Selection::Depth),
+        "containment" => Ok(Selection::Containment),
+        _ => Err(format!("`{text}` is no way to choose a cascade; take depth or containment")),
+    }
+}
+
+/// Four numbers with commas.
+fn plane(text: &str) -> Result<[f32; 4], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let plane = numbers.and_then(|numbers| <[f32; 4]>::try_from(numbers).ok());
+    let is_plane = |plane: &[f32; 4]| plane.iter().all(|number| number.is_finite()) && plane[..3].iter().any(|&n| n != 0.0);
+    plane.filter(is_plane).ok_or_else(|| {
+        format!("`{text}` is not a plane; write its normal and its offset as nx,ny,nz,d with nx x + ny y + nz z + d = 0, such as 0,1,0,0 for the floor y = 0")
+    })
+}
+
+/// A scheme's name, or distances.
+fn split_distances(text: &str) -> Result<SplitsSpec, String> {
+    if ["uniform", "logarithmic", "practical", "histogram"].contains(&text) {
+        return Ok(SplitsSpec::Scheme(text.into()));
+    }
+    let distances: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    distances.map(SplitsSpec::Distances).ok_or_else(|| not_a_scheme(text))
+}
+
+fn not_a_scheme(text: &str) -> String {
+    format!("`{text}` does not say where cascades end; take uniform, logarithmic, practical or histogram, or write distances in metres with commas, as 5,20,60")
+}
