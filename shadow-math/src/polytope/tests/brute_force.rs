@@ -7,7 +7,7 @@ use super::{directions, perspective};
 use crate::{
     bounds::Aabb,
     convex,
-    polytope::{MAX_VERTICES, Polytope, TOLERANCE, box_planes},
+    polytope::{MAX_VERTICES, Polytope, TOLERANCE, box_planes, shadow_planes},
 };
 
 /// What a vertex may lie beyond a plane that cut it, as a share of the largest coordinate: the tolerance, and as much again for the roundings
@@ -116,7 +116,7 @@ fn start() -> impl Strategy<Value = Start> {
 }
 
 /// Every point that three planes have in common and that no other plane cuts off.
-fn corners(planes: &[DVec4], slack: f64) -> std::vec::Vec<DVec3> {
+fn corners(planes: &[DVec4]) -> std::vec::Vec<DVec3> {
     let mut found = std::vec::Vec::new();
     for (i, a) in planes.iter().enumerate() {
         for (j, b) in planes.iter().enumerate().skip(i + 1) {
@@ -128,7 +128,7 @@ fn corners(planes: &[DVec4], slack: f64) -> std::vec::Vec<DVec3> {
                     continue;
                 }
                 let point = -(a.w * v.cross(w) + b.w * w.cross(u) + c.w * u.cross(v)) / determinant;
-                if planes.iter().all(|plane| plane.dot(point.extend(1.0)) >= -slack) {
+                if planes.iter().all(|plane| plane.dot(point.extend(1.0)) >= 0.0) {
                     found.push(point);
                 }
             }
@@ -159,7 +159,7 @@ proptest! {
 
     /// This holds only if no cut has been left out for want of room.
     #[test]
-    fn no_vertex_is_beyond_a_plane(start in start(), cuts in prop::collection::vec(cut(), 0..20)) {
+    fn no_vertex_is_beyond_a_plane(start in start(), cuts in prop::collection::vec(cut(), 0..=20)) {
         let largest = largest(&start.body);
         let (body, planes) = cut_body(&start, &cuts);
         prop_assert!(body.vertices().len() <= MAX_VERTICES);
@@ -177,10 +177,10 @@ proptest! {
 
     /// Nothing is missing: three planes' common point, where no other plane cuts it off, is in the body.
     #[test]
-    fn every_corner_of_the_planes_is_in_the_body(start in start(), cuts in prop::collection::vec(cut(), 0..20)) {
+    fn every_corner_of_the_planes_is_in_the_body(start in start(), cuts in prop::collection::vec(cut(), 0..=20)) {
         let largest = largest(&start.body);
         let (body, planes) = cut_body(&start, &cuts);
-        for corner in corners(&planes, 0.0) {
+        for corner in corners(&planes) {
             prop_assert!(!body.is_empty(), "{} is missing", corner);
             for direction in directions() {
                 let (min, max) = body.extent_along(direction);
@@ -209,6 +209,42 @@ proptest! {
                     let beyond = (min - direction.dot(point)).max(direction.dot(point) - max);
                     prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside", point, beyond);
                 }
+            }
+        }
+    }
+
+    /// What a camera sees of what a box can shadow: up to 21 planes, of which many meet in the corners of that box.
+    #[test]
+    fn a_view_of_a_boxs_shadow_is_cut_by_all_its_planes(
+        (scale, origin) in place(),
+        [eye, target, center, light] in prop::array::uniform4(vector()),
+        half in prop::array::uniform3(prop_oneof![3 => 0.01..1.0_f64, 1 => Just(0.0)]),
+        is_position in any::<bool>(),
+    ) {
+        let [eye, target, center] = [eye, target, center].map(|point| origin + scale * DVec3::from(point));
+        let Some(frustum) = perspective(eye, target, 1.0, 0.01 * scale, 10.0 * scale) else { return Ok(()) };
+        let half = scale * DVec3::from(half);
+        let casters = Aabb::new((center - half).as_vec3(), (center + half).as_vec3());
+        let scene = Aabb::new((origin - 2.0 * scale).as_vec3(), (origin + 2.0 * scale).as_vec3());
+        let light = if is_position { (origin + 3.0 * scale * DVec3::from(light)).extend(1.0) } else { DVec3::from(light).extend(0.0) };
+        let (shadow, count) = shadow_planes(casters, light);
+        let planes = frustum.planes().into_iter().chain(box_planes(scene)).chain(shadow[..count].iter().copied());
+        let planes: std::vec::Vec<_> = planes.map(|plane| plane / plane.truncate().length()).collect();
+        let mut body = Polytope::from_frustum(&frustum);
+        let largest = largest(&body);
+        planes.iter().for_each(|plane| body.clip(*plane));
+        for point in body.vertices() {
+            for plane in &planes {
+                let distance = plane.dot(point.extend(1.0));
+                prop_assert!(distance >= -SLACK * largest, "{} is {} m inside {}", point, distance, plane);
+            }
+        }
+        for corner in corners(&planes) {
+            prop_assert!(!body.is_empty(), "{} is missing", corner);
+            for direction in directions() {
+                let (min, max) = body.extent_along(direction);
+                let beyond = (min - direction.dot(corner)).max(direction.dot(corner) - max);
+                prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside {:?}", corner, beyond, body.vertices());
             }
         }
     }
