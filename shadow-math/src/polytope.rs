@@ -138,8 +138,8 @@ impl Polytope {
     /// among the planes.
     ///
     /// A vertex counts as on the plane if it is as near as rounding can bring it (2^-42 of the largest coordinate that the body began with). What is
-    /// left lies within that distance of the exact part. It contains the exact part but for that distance: where the planes or the vertices would
-    /// become more than there is room for, the cut is left out and the body is larger than it should be, never smaller.
+    /// left lies beyond the plane by no more than that, and what it lacks of the exact part lies no farther from it than a few times that. Where the
+    /// planes or the vertices would become more than there is room for, the cut is left out: the body is then larger than it should be, never smaller.
     ///
     /// Without rounding the vertices cannot become too many: a cut that leaves some vertices on either side makes a new face, so that every plane
     /// in use holds a face of its own, and [`MAX_VERTICES`] is enough for [`MAX_PLANES`] faces. A plane that only touches the body is never in use for

@@ -43,3 +43,71 @@ pub fn shadow_planes(bounds: Aabb, light: DVec4) -> ([DVec4; MAX_SHADOW_PLANES],
     }
     (planes, count)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat4, DVec3, Vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::polytope::Polytope;
+
+    /// Whether the way from a point, to its end or for ever, meets a box (by slabs).
+    fn meets(bounds: Aabb, from: DVec3, way: DVec3, is_finite: bool) -> bool {
+        let (mut begin, mut end) = (0.0_f64, if is_finite { 1.0 } else { f64::INFINITY });
+        for axis in 0..3 {
+            let (low, high) = (f64::from(bounds.min[axis]) - from[axis], f64::from(bounds.max[axis]) - from[axis]);
+            if way[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+            } else {
+                let (a, b) = (low / way[axis], high / way[axis]);
+                (begin, end) = (begin.max(a.min(b)), end.min(a.max(b)));
+            }
+        }
+        begin <= end
+    }
+
+    proptest! {
+        /// What the volume is defined by, point by point, with the way to the light tried against the box by slabs.
+        #[test]
+        fn shadow_planes_hold_the_points_whose_way_to_the_light_meets_the_box(
+            center in prop::array::uniform3(-1.0..1.0_f64),
+            half in prop::array::uniform3(prop_oneof![3 => 0.01..1.0_f64, 1 => Just(0.0)]),
+            light in prop::array::uniform3(prop_oneof![4 => -4.0..4.0_f64, 1 => Just(0.0)]),
+            is_position in any::<bool>(),
+            samples in prop::collection::vec(prop::array::uniform3(prop_oneof![4 => -5.0..5.0_f64, 1 => Just(0.0)]), 100),
+        ) {
+            let (center, half) = (DVec3::from(center), DVec3::from(half));
+            let bounds = Aabb::new((center - half).as_vec3(), (center + half).as_vec3());
+            let light = DVec3::from(light);
+            prop_assume!(is_position || light.length() > 1e-3);
+            let (planes, count) = shadow_planes(bounds, light.extend(f64::from(u8::from(is_position))));
+            for sample in samples {
+                let point = DVec3::from(sample);
+                let way = if is_position { light - point } else { light };
+                let nearest = planes[..count].iter().map(|plane| (*plane / plane.truncate().length()).dot(point.extend(1.0))).fold(f64::INFINITY, f64::min);
+                // Rounding decides about points on the surface: some ten units in the last place of coordinates below 10 m. The planes of a flat box
+                // hold its shadow between them, and all of it is surface.
+                if nearest.abs() > 1e-14 {
+                    prop_assert_eq!(nearest > 0.0, meets(bounds, point, way, is_position), "{} and {}", point, nearest);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_light_in_the_box_bounds_no_shadow_and_one_above_it_five_faces() {
+        let bounds = Aabb::new(Vec3::splat(-1.0), Vec3::splat(1.0));
+        assert_eq!(shadow_planes(bounds, DVec4::new(0.5, -1.0, 1.0, 1.0)).1, 0);
+        assert_eq!(shadow_planes(Aabb::EMPTY, DVec4::Y).1, 0);
+        assert_eq!(shadow_planes(bounds, DVec4::new(0.0, 2.0, 0.0, 1.0)).1, 5);
+        assert_eq!(shadow_planes(bounds, DVec4::new(1.0, 2.0, 3.0, 0.0)).1, MAX_SHADOW_PLANES);
+        let (planes, count) = shadow_planes(bounds, DVec4::Y);
+        assert_eq!(count, 5);
+        let mut body = Polytope::from_bounds(Aabb::new(Vec3::splat(-9.0), Vec3::splat(9.0)));
+        planes[..count].iter().for_each(|plane| body.clip(*plane));
+        assert_eq!(body.transformed(DMat4::IDENTITY), (DVec3::new(-1.0, -9.0, -1.0), DVec3::splat(1.0)));
+    }
+}
