@@ -266,8 +266,8 @@ Views that explain, as PNG alone (docs/gallery.md shows them all):
   taps[:LIGHT]         how many depth tests a pixel takes
   aliasing[:LIGHT]     over how many pixels a texel smears (m in the help
                        of shadow measure): blue 1/8 and less, white 1,
-                       yellow 3, red 8 and more, dark where no map is
-                       asked
+                       yellow 3, red 8 and more, dark where no light
+                       arrives
   cause                why pixels are wrong, against traced truth, in
                        the colors of shadow measure
 
