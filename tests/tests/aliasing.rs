@@ -165,6 +165,47 @@ fn a_lamp_at_the_eye_has_one_stretch_for_all_surfaces() {
     assert!((f64::from(statistics.median) / m - 1.0).abs() < ROUNDING && is_right(&statistics.percentile_95), "{statistics:?}");
 }
 
+/// Where no light arrives, outside a spot light's cone and beyond its range, its map is of no use to anybody.
+#[test]
+fn what_a_light_does_not_reach_has_no_stretch() {
+    let (height, outer) = (3.0_f64, 0.4_f64);
+    let spot = |range| LightKind::Spot {
+        position: Vec3::Y * height as f32,
+        direction: Vec3::NEG_Y,
+        inner: 0.0,
+        outer: outer as f32,
+        range,
+    };
+    // Without a range the cone's circle is reached, and with one of a little more than the height a smaller circle.
+    let range = 3.1_f64;
+    for (kind, radius) in
+        [(spot(None), height * outer.tan()), (spot(Some(range as f32)), (range * range - height * height).sqrt())]
+    {
+        let scene = lights::lit_by(&floor_under(Vec3::NEG_Y), "spot", Light { kind, color: Vec3::ONE, intensity: 100.0 });
+        let plan = plan(&scene, &above(0.0, 0.0, 1.5));
+        let (LightAliasing { statistics, stretches }, _) = measured(&scene, &plan);
+        let pixel = 3.0 / f64::from(HEIGHT);
+        for (index, &stretch) in stretches.iter().enumerate() {
+            let x = (index as u32 % WIDTH) as f64 + 0.5 - 0.5 * f64::from(WIDTH);
+            let z = (index as u32 / WIDTH) as f64 + 0.5 - 0.5 * f64::from(HEIGHT);
+            let distance = x.hypot(z) * pixel;
+            // Angles and ranges are f32.
+            if (distance / radius - 1.0).abs() > 1e-4 {
+                assert_eq!(stretch != NO_STRETCH, distance < radius, "{distance} of {radius}: {stretch}");
+            }
+        }
+        // The map is the square around the cone, with some texels on every side; of it a circle is seen, with texels that its pixels meet beside it.
+        let [width, _] = plan.views[0].texel_metres.map(|metres| f64::from(metres) * height);
+        let area = |radius: f64| core::f64::consts::PI * (radius / width).powi(2);
+        let seen = statistics.seen_texels as f64;
+        assert!(
+            (area(radius - pixel)..=area(radius + pixel + 2.0 * width)).contains(&seen),
+            "{seen} instead of {}",
+            area(radius)
+        );
+    }
+}
+
 /// Of a view that has a part of its layer the rest counts neither as seen nor as wasted.
 #[test]
 fn a_view_is_as_large_as_its_rectangle() {
@@ -255,8 +296,7 @@ fn measure_reports_aliasing() {
     let choices = ["measure", "--settings", "small.toml", "--settings", "large.toml", "--size", "160x90", "--frames", "1"];
     let report = folder.json(&[&choices[..], &["--report", "page", "--json"]].concat());
     let of = |technique: usize, field: &str| {
-        let aliasing = &report["techniques"][technique]["aliasing"];
-        aliasing[field].as_f64().unwrap_or_else(|| panic!("{field} in {aliasing}"))
+        report["techniques"][technique]["aliasing"][field].as_f64().expect("every field is a number")
     };
     for technique in [0, 1] {
         assert!(

@@ -124,10 +124,10 @@ texel, turns by 0.1 degrees or zooms by 1 %, or the light moves a little.
 m is over how many pixels one texel of a map smears, in the direction in which
 it is longest: the largest singular value of d(pixel) / d(texel) on the
 surface. Where m is at most 1, outlines are off by at most 0.71 pixel. m 95 %
-is what 95 of 100 pixels stay below, and m > 1 the share of the others;
-surfaces that the light grazes (a cosine of at most 0.1) are left out. waste is
-the share of the maps' texels that no pixel sees. shadow render --show aliasing
-draws m.
+is what 95 of 100 pixels stay below, m > 1 the share of pixels where it is more
+than that; what the light grazes (a cosine of at most 0.1) is left out, for m
+has no bound there. waste is the share of the maps' texels that no pixel sees.
+shadow render --show aliasing draws m.
 
 Examples:
   shadow measure house.glb
