@@ -117,8 +117,8 @@ fn what_shows_nothing_has_no_stretch() {
 /// Under a sun that leans, texels are longer along the floor by 1 over the cosine, until it grazes: then they are counted apart.
 #[test]
 fn a_leaning_sun_makes_texels_longer() {
-    for cosine in [0.9, 0.5, 0.2, 0.11, 0.09, 0.02] {
-        let across = (1.0 - cosine * cosine as f64).sqrt();
+    for cosine in [0.9, 0.5, 0.2, 0.11, 0.09, 0.02_f64] {
+        let across = (1.0 - cosine * cosine).sqrt();
         let scene = floor_under(DVec3::new(0.0, -cosine, across).as_vec3());
         let plan = plan(&scene, &above(0.3, -0.2, 1.0));
         let (LightAliasing { statistics, stretches }, _) = measured(&scene, &plan);
