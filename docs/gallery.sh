@@ -21,6 +21,7 @@ draw shadows --show shadows
 draw texels --show texels --map-size 128
 draw bias --show bias --map-size 256
 draw taps --show taps --filter footprint --map-size 1024
+draw aliasing --show aliasing --map-size 1024
 draw cause --show cause --bias constant --bias-constant 0.05 --map-size 512
 draw additive --light "$sun" --light "$lamp" --composition additive
 draw modulative --light "$sun" --light "$lamp" --composition modulative

@@ -3,7 +3,7 @@
 use glam::Vec2;
 use shadow_cpu::{
     RasterRules,
-    measure::{Cause, Judge},
+    measure::{Cause, FrameAliasing, Judge},
     trace::{CameraView, Tracer},
 };
 use shadow_math::{
@@ -20,7 +20,7 @@ use shadow_scene::{Frame, FrameMaps, FramePlan, LayerName, NO_TRIANGLE, Request,
 use crate::{
     args::{Backend, MachineArgs},
     backend::{OpenBackend, RenderedFrame},
-    colors::{color_of, heat},
+    colors::{STRETCH_LEGEND, color_of, heat, stretch_color},
     console::Console,
     error::CliError,
     memory::{self, Work},
@@ -40,12 +40,13 @@ pub(crate) enum DebugView {
     Texels,
     Bias,
     Taps,
+    Aliasing,
     Cause,
 }
 
 impl DebugView {
     /// Every view with the name that the command line has for it.
-    pub(crate) const ALL: [(&'static str, Self); 9] = [
+    pub(crate) const ALL: [(&'static str, Self); 10] = [
         ("mini-screen", Self::MiniScreen),
         ("light-view", Self::LightView),
         ("distance-match", Self::DistanceMatch),
@@ -54,6 +55,7 @@ impl DebugView {
         ("texels", Self::Texels),
         ("bias", Self::Bias),
         ("taps", Self::Taps),
+        ("aliasing", Self::Aliasing),
         ("cause", Self::Cause),
     ];
 
@@ -142,6 +144,12 @@ pub(crate) fn explain(
             (of_pixels(lit.iter().zip(colors).map(taken).collect()), "black is where shadows take nothing".into())
         }
         DebugView::Cause => causes(job, &plan, &frame, console, &of_pixels)?,
+        DebugView::Aliasing => {
+            let missing = CliError::Layer { backend: backend.name(), layer: LayerName::Triangle };
+            let triangles = frame.triangles().ok_or(missing)?;
+            let (pixels, legend) = stretches(job, &plan, light, triangles, machine.threads as usize)?;
+            (of_pixels(pixels), legend)
+        }
         DebugView::DistanceMatch | DebugView::Texels | DebugView::Bias | DebugView::Taps => {
             let seen = SeenLight { job, plan: &plan, light, frame: &frame };
             let missing = CliError::Layer { backend: backend.name(), layer: LayerName::Triangle };
@@ -227,6 +235,31 @@ fn causes(
     let counts: Vec<String> = counts.collect();
     let legend = if counts.is_empty() { "no pixel is wrong".into() } else { format!("wrong pixels: {}", counts.join(", ")) };
     Ok((of_pixels(pixels.collect()), legend))
+}
+
+/// Over how many pixels the texels of a light smear, as pixels, and what that comes to.
+fn stretches(
+    job: &Job,
+    plan: &FramePlan,
+    light: usize,
+    triangles: &[u32],
+    threads: usize,
+) -> Result<(Vec<[u8; 3]>, String), CliError> {
+    let aliasing = FrameAliasing::of(&job.scene, plan, triangles, threads)?;
+    let of_light = &aliasing.lights[light];
+    let pixels = of_light.stretches.iter().map(|&stretch| stretch_color(stretch)).collect();
+    let statistics = of_light.statistics;
+    let numbers = format!(
+        "m, in pixels to a texel: median {:.2}, 95 % below {:.2}, at most {:.2}; above 1 in {:.1} % of {} pixels, without {} that the light grazes; {:.1} % of the map's texels are seen by none",
+        statistics.median,
+        statistics.percentile_95,
+        statistics.max,
+        100.0 * statistics.share_above_one(),
+        statistics.pixels,
+        statistics.grazing,
+        100.0 * statistics.waste(),
+    );
+    Ok((pixels, format!("{STRETCH_LEGEND}; {numbers}")))
 }
 
 /// A frame as one light sees it.

@@ -167,6 +167,13 @@ impl Amounts {
         self.pixels.saturating_mul(self.lights).saturating_mul(NUMBER)
     }
 
+    /// What measuring aliasing takes: a flag for each texel, and for each pixel and light its number three times, once where it is and twice where they are counted.
+    fn aliasing(&self) -> Demand {
+        const FLAGS_PER_BYTE: u64 = 8;
+        let maps = self.map_texels.saturating_mul(self.views) / FLAGS_PER_BYTE;
+        Demand { maps, frame: self.visibility().saturating_mul(3), ..Demand::default() }
+    }
+
     /// The layers of a frame that are given back.
     fn layers(&self, request: Request) -> Demand {
         let if_asked = |is_asked: bool, bytes: u64| if is_asked { bytes } else { 0 };
@@ -232,7 +239,7 @@ impl Amounts {
             // Some views draw the colours a second time.
             Work::Explain(backend) => {
                 let pictures = Demand { frame: self.pixels.saturating_mul(3 + COLOR), ..Demand::default() };
-                self.working(backend, Request::ALL).plus(self.layers(Request::ALL)).plus(pictures)
+                self.working(backend, Request::ALL).plus(self.layers(Request::ALL)).plus(pictures).plus(self.aliasing())
             }
             Work::Compare([first, second]) => {
                 let layers = self.layers(Request::ALL);
@@ -244,12 +251,12 @@ impl Amounts {
             Work::Measure(backend, techniques) => {
                 let rendered = self.working(backend, Request::ALL).plus(self.layers(Request::ALL));
                 // The scene stays once more under lights that move, and the maps of one moment while those of another are drawn. For each light a pixel has
-                // its truth (a count and a flag), and in each frame that stays a visibility, a cause and an error.
+                // its truth (a count and a flag), and in each frame that stays a visibility, a cause, an error and a stretch.
                 let of_frame = self.layers(Request { shadow_maps: false, ..Request::ALL }).frame;
                 let judged = self.pixels.saturating_mul(self.lights).saturating_mul(1 + NUMBER);
-                let frames = of_frame.saturating_add(judged).saturating_mul(techniques as u64);
+                let frames = of_frame.saturating_add(judged).saturating_add(self.visibility()).saturating_mul(techniques as u64);
                 let kept = Demand { maps: self.maps(), frame: frames.saturating_add(judged), ..self.scene() };
-                rendered.plus(self.working(Backend::Trace, Request::ALL)).plus(kept)
+                rendered.plus(self.working(Backend::Trace, Request::ALL)).plus(kept).plus(self.aliasing())
             }
             Work::Bench(backends) => {
                 let working = backends.iter().map(|&backend| self.working(backend, Request::default()));

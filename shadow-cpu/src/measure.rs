@@ -37,8 +37,10 @@ mod stability;
 mod rule;
 mod gaps;
 mod trials;
+mod aliasing;
 
 pub use self::{
+    aliasing::{AliasingStatistics, FrameAliasing, LightAliasing, MIN_COSINE, NO_STRETCH},
     cause::{Cause, Counts},
     gaps::{Needs, Price},
     judge::{Ask, Judge, JudgeError, Judgement, LightJudgement},

@@ -99,6 +99,7 @@ pub mod triangle;
 pub mod bias;
 pub mod filter;
 pub mod visibility;
+pub mod aliasing;
 pub mod approx;
 pub mod srgb;
 pub mod material;

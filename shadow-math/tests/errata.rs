@@ -2,12 +2,14 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 use shadow_math::{
-    Bias, Filter, Light, LightKind, MapAccess, ShadowSettings,
+    Bias, Camera, Filter, Light, LightKind, MapAccess, Projection, ShadowSettings,
+    aliasing::{Aliasing, AliasingParts},
     bias::{depth_per_view_z, gradient_by_jacobian, gradient_by_plane},
     bounds::Aabb,
+    exposure::Exposure,
     filter::{filtered_test, stored_gradient},
     fit::{ViewFit, directional_view, spot_view},
-    plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_light},
+    plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_camera, plan_light},
     settings::{BiasParts, ReceiverGradient},
     spaces::{ClipDepth, texel_from_clip},
     visibility::Lookup,
@@ -204,4 +206,56 @@ fn five_taps_in_a_cross_are_not_bilinear() {
     assert!(largest > 0.19 && changes == 3, "{largest} {changes}");
     let (largest, changes) = steps(Filter::Bilinear);
     assert!(largest < 0.011 && changes > 90, "{largest} {changes}");
+}
+
+/// Erratum 9: the lecture's d is not the largest stretch of a texel. With light and camera anywhere over a surface it is 0.62 of it in the median case, and no more than an eighth in one case of ten.
+#[test]
+fn the_lectures_d_understates_the_largest_stretch() {
+    /// The radical inverse in a base: low-discrepancy numbers from 0 to 1.
+    fn radical_inverse(mut index: u32, base: u32) -> f64 {
+        let (mut digits, mut share) = (0.0, 1.0);
+        while index > 0 {
+            share /= f64::from(base);
+            digits += share * f64::from(index % base);
+            index /= base;
+        }
+        digits
+    }
+    /// A direction in the half space over the normal y, evenly spread.
+    fn over_the_plane(height: f64, turn: f64) -> DVec3 {
+        let (s, c) = (core::f64::consts::TAU * turn).sin_cos();
+        let across = (1.0 - height * height).sqrt();
+        DVec3::new(across * c, height, across * s)
+    }
+    const COUNT: u32 = 20_000;
+    let sun = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
+    let mut shares: Vec<f64> = (1..=COUNT)
+        .map(|index| {
+            let [a, b, c, d] = [2, 3, 5, 7].map(|base| radical_inverse(index, base));
+            let (to_camera, to_light) = (over_the_plane(a, b), over_the_plane(c, d));
+            let projection = Projection::Orthographic { half_height: 1.0, near: 0.0, far: 4.0 };
+            let camera = Camera::look_at(to_camera * 2.0, DVec3::ZERO, projection).expect("the eye is not the target");
+            let exposure = Exposure::automatic([&sun], Aabb::new(Vec3::NEG_ONE, Vec3::ONE));
+            let camera = plan_camera(&camera, 100, 100, exposure, 1).expect("the camera can be planned");
+            // A map of square texels: the picture of a camera that looks along the light.
+            let light = Camera::look_at(to_light * 2.0, DVec3::ZERO, projection).expect("the eye is not the target");
+            let light = plan_camera(&light, 100, 100, exposure, 1).expect("the camera can be planned");
+            let view = ViewPlan {
+                clip_x: light.clip_x,
+                clip_y: light.clip_y,
+                clip_w: light.clip_w,
+                texel_scale: [50.0, -50.0],
+                ..ViewPlan::default()
+            };
+            let m = Aliasing::at(&camera, &view, DVec3::ZERO, DVec3::Y).expect("both see the point").largest;
+            AliasingParts::at(&camera, &view, DVec3::ZERO, DVec3::Y).expect("both see the point").product() / m
+        })
+        .collect();
+    shares.sort_by(f64::total_cmp);
+    let at = |percent: usize| shares[shares.len() * percent / 100];
+    // Measured: 0.619 and 0.127. Counting 20000 of all directions leaves the third digit open.
+    assert!((at(50) - 0.62).abs() < 0.01, "the median is {}", at(50));
+    assert!((at(10) - 0.125).abs() < 0.01, "one of ten is below {}", at(10));
+    // Rows are rounded to f32.
+    assert!(shares.iter().all(|&share| share < 1.0 + 1e-5), "d is never more than the largest stretch");
 }

@@ -2,6 +2,7 @@
 
 mod acne;
 mod agreement;
+mod aliasing;
 mod analytic;
 mod comparator;
 mod composition;

@@ -1,5 +1,6 @@
 //! `shadow measure`: techniques against the truth.
 
+mod aliasing;
 mod motion;
 mod page;
 mod plot;
@@ -9,14 +10,17 @@ use std::path::PathBuf;
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use shadow_cpu::{
     CpuRenderer, RasterRules,
-    measure::{Cause, Counts, Judge, Judgement},
+    measure::{Cause, Counts, FrameAliasing, Judge, Judgement},
     renderer::CameraBuffer,
     trace::{CameraView, Tracer},
 };
 use shadow_math::ShadowSettings;
 use shadow_scene::{Frame, FramePlan, LayerName, Request, StageTimes};
 
-use self::motion::{Motions, StabilityReport};
+use self::{
+    aliasing::AliasingReport,
+    motion::{Motions, StabilityReport},
+};
 use super::{PictureReport, Verdict};
 use crate::{
     args::{Backend, MeasureArgs},
@@ -66,6 +70,7 @@ struct TechniqueReport {
     /// Bytes of all maps.
     map_bytes: u64,
     stability: StabilityReport,
+    aliasing: AliasingReport,
     lights: Vec<LightReport>,
 }
 
@@ -76,6 +81,7 @@ struct LightReport {
     settings: SettingsReport,
     #[serde(flatten)]
     counts: CountsReport,
+    aliasing: AliasingReport,
 }
 
 /// How many pixels are wrong, and why.
@@ -139,6 +145,7 @@ impl Milliseconds {
 struct Shown {
     frame: Frame,
     judgement: Judgement,
+    aliasing: FrameAliasing,
 }
 
 /// Measures and reports.
@@ -201,10 +208,13 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
         }
         let (mut frame, _) = backend.render(plan, JUDGED, &console)?;
         let judgement = judge.judge(plan, &frame)?;
+        let missing = CliError::Layer { backend: args.rendering.backend.name(), layer: LayerName::Triangle };
+        let triangles = frame.triangles().ok_or(missing)?;
+        let aliasing = FrameAliasing::of(&job.scene, plan, triangles, args.machine.threads as usize)?;
         frame.layers.retain(|layer| !matches!(layer.name, LayerName::ShadowMap { .. }));
         console.step();
         let stability = motions.stability(&backend, technique, plan, args.picture.exposure, &console)?;
-        let lights = job.scene.lights().iter().zip(&judgement.lights);
+        let lights = job.scene.lights().iter().zip(&judgement.lights).zip(&aliasing.lights);
         reports.push(TechniqueReport {
             settings: SettingsReport::of(&technique.name, &technique.shadowing.of_first(&job.scene)),
             summary: technique.summary(&job),
@@ -212,16 +222,18 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
             milliseconds: Milliseconds::of(&times),
             map_bytes: map_bytes(plan),
             stability,
+            aliasing: aliasing.total.into(),
             lights: lights
-                .map(|(light, judged)| LightReport {
+                .map(|((light, judged), aliasing)| LightReport {
                     name: light.name.clone(),
                     settings: SettingsReport::of(&technique.name, &technique.shadowing.of(&light.light.kind)),
                     counts: judged.counts.into(),
+                    aliasing: aliasing.statistics.into(),
                 })
                 .collect(),
         });
         if args.report.is_some() {
-            shown.push(Shown { frame, judgement });
+            shown.push(Shown { frame, judgement, aliasing });
         }
     }
 
@@ -309,7 +321,7 @@ fn true_color(job: &Job, judge: &Judge<'_>, threads: usize) -> Result<Vec<[f32; 
 fn text(report: &Report<'_>) -> String {
     let mut heading = vec!["technique".to_string(), "settings".into(), "wrong".into()];
     heading.extend(Cause::ALL.iter().rev().map(|cause| cause.name().replace('_', " ")));
-    heading.extend(["rmse", "unstable", "maps", "frame", "memory"].map(String::from));
+    heading.extend(["rmse", "unstable", "m 95 %", "m > 1", "waste", "maps", "frame", "memory"].map(String::from));
     let mut rows = vec![heading];
     for technique in &report.techniques {
         let CountsReport { pixels, wrong, causes, rmse, .. } = &technique.counts;
@@ -317,6 +329,7 @@ fn text(report: &Report<'_>) -> String {
         row.extend(Cause::ALL.iter().rev().map(|&cause| causes.0.count(cause).to_string()));
         row.push(format!("{rmse:.4}"));
         row.push(share(technique.stability.worst_of_camera()));
+        row.extend(technique.aliasing.columns());
         row.push(format!("{:.1} ms", technique.milliseconds.shadow_maps));
         row.push(format!("{:.1} ms", technique.milliseconds.total));
         row.push(format!("{:.0} MiB", technique.map_bytes as f64 / MIB));

@@ -43,7 +43,7 @@ pub(crate) enum SpecError {
     NotANumber(String),
     /// Not a layer.
     #[error(
-        "there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]], and the views mini-screen[:LIGHT[:VIEW]], light-view[:LIGHT[:VIEW]], distance-match[:LIGHT], texels[:LIGHT], bias[:LIGHT], taps[:LIGHT], unshadowed, shadows and cause"
+        "there is no layer `{0}`; there are: color, visibility[:LIGHT], depth, shadow-map[:LIGHT[:VIEW]], and the views mini-screen[:LIGHT[:VIEW]], light-view[:LIGHT[:VIEW]], distance-match[:LIGHT], texels[:LIGHT], bias[:LIGHT], taps[:LIGHT], aliasing[:LIGHT], unshadowed, shadows and cause"
     )]
     Layer(String),
     /// Not the number of a view.

@@ -6,7 +6,7 @@ use shadow_scene::{Layer, LayerName, Pixels};
 
 use super::{CountsReport, MIB, Milliseconds, Report, Shown, TechniqueReport, percent, plot};
 use crate::{
-    colors::{color_of, heat},
+    colors::{STRETCH_LEGEND, color_of, heat, stretch_color},
     error::CliError,
     page::{escaped, notes},
     picture::{Picture, encode_color},
@@ -122,28 +122,30 @@ fn table(report: &Report<'_>) -> String {
     let heads: String = Cause::ALL.iter().rev().map(|cause| format!("<th>{}</th>", cause.name().replace('_', " "))).collect();
     let mut table = format!(
         "<h2>Techniques</h2>\n<div class=\"wide\"><table><thead><tr><th>technique</th><th>settings</th><th>wrong</th>{heads}<th>RMSE</th>\
-         <th>unstable</th><th>maps</th><th>camera</th><th>shading</th><th>frame</th><th>memory</th></tr></thead><tbody>\n"
+         <th>unstable</th><th>m 95 %</th><th>m &gt; 1</th><th>waste</th><th>maps</th><th>camera</th><th>shading</th><th>frame</th><th>memory</th></tr></thead><tbody>\n"
     );
     for (number, technique) in report.techniques.iter().enumerate() {
-        let TechniqueReport { settings, summary, counts, milliseconds, map_bytes, stability, lights } = technique;
+        let TechniqueReport { settings, summary, counts, milliseconds, map_bytes, stability, aliasing, lights } = technique;
         let Milliseconds { shadow_maps, camera, shading, total } = milliseconds;
         let motions: Vec<String> =
             stability.named().iter().map(|(name, share)| format!("{name} {}", super::share(*share))).collect();
         table.push_str(&format!(
-            "<tr><td><a href=\"#technique-{number}\">{}</a></td><td>{}</td>{}<td title=\"{}\">{}</td>\
+            "<tr><td><a href=\"#technique-{number}\">{}</a></td><td>{}</td>{}<td title=\"{}\">{}</td>{}\
              <td>{shadow_maps:.1} ms</td><td>{camera:.1} ms</td><td>{shading:.1} ms</td><td>{total:.1} ms</td><td>{:.0} MiB</td></tr>\n",
             escaped(settings.name()),
             escaped(summary),
             cells(counts),
             motions.join(", "),
             super::share(stability.worst_of_camera()),
+            aliasing.cells(),
             *map_bytes as f64 / MIB,
         ));
         for light in lights.iter().filter(|_| lights.len() > 1) {
             table.push_str(&format!(
-                "<tr class=\"light\"><td></td><td>{}</td>{}<td colspan=\"6\"></td></tr>\n",
+                "<tr class=\"light\"><td></td><td>{}</td>{}<td></td>{}<td colspan=\"5\"></td></tr>\n",
                 escaped(&light.name),
-                cells(&light.counts)
+                cells(&light.counts),
+                light.aliasing.cells()
             ));
         }
     }
@@ -155,6 +157,10 @@ fn table(report: &Report<'_>) -> String {
              light: there a smooth mesh shows its facets whatever casts shadows (the terminator).</p>\n"
         ));
     }
+    table.push_str(
+        "<p>m is over how many pixels one texel of a map smears where it is longest; outlines are off by at most 0.71 m pixels. Of the pixels that the light does not graze, 95 % have at most \
+         <em>m 95 %</em>, and the share <em>m &gt; 1</em> has texels longer than pixels. <em>waste</em> is the share of the maps' texels that no pixel sees.</p>\n",
+    );
     table
 }
 
@@ -178,6 +184,8 @@ fn technique_section(number: usize, technique: &TechniqueReport, shown: &Shown, 
     let color = Pixmap::of_color(width, height, color_layer(shown)?);
     let causes = cause_map(&color, &judgement.causes());
     let errors = Pixmap { width, height, pixels: judgement.errors().into_iter().map(heat).collect() };
+    let stretches = shown.aliasing.worst().into_iter().map(stretch_color).collect();
+    let stretches = Pixmap { width, height, pixels: stretches };
     let regions = judgement.worst_regions(REGION, REGIONS);
     let mut section = format!(
         "<section><h2 id=\"technique-{number}\">{name}</h2>\n<p>{}</p>\n<div class=\"pictures\">\n",
@@ -199,6 +207,7 @@ fn technique_section(number: usize, technique: &TechniqueReport, shown: &Shown, 
         errors.element("", "how far visibility is off")?,
         "how far visibility is off: from black, right, over red to white, wrong altogether",
     );
+    figure(stretches.element("", "pixels that a texel smears over")?, &format!("m, the largest of all lights: {STRETCH_LEGEND}"));
     section.push_str("</div>\n");
     if crops.is_empty() {
         section.push_str("<p>Nothing is wrong.</p>\n");
