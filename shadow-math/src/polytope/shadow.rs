@@ -82,15 +82,18 @@ mod tests {
             let (center, half) = (DVec3::from(center), DVec3::from(half));
             let bounds = Aabb::new((center - half).as_vec3(), (center + half).as_vec3());
             let light = DVec3::from(light);
-            prop_assume!(is_position || light.length() > 1e-3);
+            if !is_position && light == DVec3::ZERO {
+                return Ok(());
+            }
             let (planes, count) = shadow_planes(bounds, light.extend(f64::from(u8::from(is_position))));
             for sample in samples {
                 let point = DVec3::from(sample);
                 let way = if is_position { light - point } else { light };
-                let nearest = planes[..count].iter().map(|plane| (*plane / plane.truncate().length()).dot(point.extend(1.0))).fold(f64::INFINITY, f64::min);
-                // Rounding decides about points on the surface: some ten units in the last place of coordinates below 10 m. The planes of a flat box
-                // hold its shadow between them, and all of it is surface.
-                if nearest.abs() > 1e-14 {
+                let distance = |plane: &DVec4| plane.dot(point.extend(1.0)) / plane.truncate().length();
+                let nearest = planes[..count].iter().map(distance).fold(f64::INFINITY, f64::min);
+                // Rounding decides about points on the surface: a hundred times that of coordinates below 10 m, as planes tilt a little where the light is
+                // close to an edge. The planes of a box that is flat toward the light hold its shadow between them, and all of that is surface.
+                if nearest.abs() > 1e-12 {
                     prop_assert_eq!(nearest > 0.0, meets(bounds, point, way, is_position), "{} and {}", point, nearest);
                 }
             }
