@@ -201,7 +201,10 @@ impl LightCameraArgs {
             selection: self.cascade_select.unwrap_or_default(),
             stabilised: self.stabilise,
             map_sizes: going_on(self.cascade_sizes.as_deref(), 0),
-            fits: going_on(self.cascade_fits.as_ref().map(|fits| fits.iter().copied().map(Some).collect::<Vec<_>>()).as_deref(), None),
+            fits: going_on(
+                self.cascade_fits.as_ref().map(|fits| fits.iter().copied().map(Some).collect::<Vec<_>>()).as_deref(),
+                None,
+            ),
             lispsm_factors: going_on(self.lispsm_factors.as_deref(), 1.0),
         })
     }
@@ -322,5 +325,7 @@ fn split_distances(text: &str) -> Result<SplitsSpec, String> {
 }
 
 fn not_a_scheme(text: &str) -> String {
-    format!("`{text}` does not say where cascades end; take uniform, logarithmic, practical or histogram, or write distances in metres with commas, as 5,20,60")
+    format!(
+        "`{text}` does not say where cascades end; take uniform, logarithmic, practical or histogram, or write distances in metres with commas, as 5,20,60"
+    )
 }

@@ -151,7 +151,8 @@ fn settings(args: &PictureArgs, bias: &BiasArgs) -> Result<ShadowSettings, CliEr
         use_with,
     })?;
     let ShadowArgs { map_size, filter: FilterName(filter), filter_radius, store, texels, terminator, .. } = args.shadows;
-    let settings = ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() };
+    let settings =
+        ShadowSettings { bias, filter, filter_radius, store, texels, terminator, map_size, ..ShadowSettings::default() };
     with_cameras(settings, args)
 }
 

@@ -433,7 +433,12 @@ impl SettingsReport {
         let texels = if self.texels == Texels::Direct3d { ", texels as in direct3d" } else { "" };
         let terminator = if self.terminator == Terminator::Soft { ", soft terminator" } else { "" };
         let cameras = &self.camera_summary;
-        format!("{} texels{cameras}, {}{radius}, {}{store}{texels}{terminator}", self.map_size, self.filter.name(), self.bias_summary)
+        format!(
+            "{} texels{cameras}, {}{radius}, {}{store}{texels}{terminator}",
+            self.map_size,
+            self.filter.name(),
+            self.bias_summary
+        )
     }
 }
 

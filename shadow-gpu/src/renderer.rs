@@ -4,9 +4,7 @@ mod color;
 mod maps;
 mod readback;
 
-use shadow_math::{
-    plan::{LightPlan, ViewPlan},
-};
+use shadow_math::plan::{LightPlan, ViewPlan};
 use shadow_scene::{Frame, FramePlan, Layer, LayerName, Pass, Pixels, Request, Scene, StageTimes, Surfaces};
 use wgpu::BufferUsages;
 
@@ -380,7 +378,9 @@ impl GpuRenderer {
         for (light, light_plan) in (0..).zip(&plan.lights) {
             let target = layer_view(&texture, light);
             let mut pass = full_screen_pass(&mut encoder, "visibility", &target, Some(wgpu::Color::WHITE), &camera.depth);
-            pass.set_pipeline(&self.pipelines.visibility(&self.device, VisibilityStyle::of(light_plan, plan.views_of(light as usize))));
+            pass.set_pipeline(
+                &self.pipelines.visibility(&self.device, VisibilityStyle::of(light_plan, plan.views_of(light as usize))),
+            );
             pass.set_bind_group(0, &scene.geometry, &[]);
             pass.set_bind_group(1, &group, &[light * lights.stride, light * views.stride]);
             pass.draw(0..3, 0..1);

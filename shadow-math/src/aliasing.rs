@@ -39,14 +39,14 @@ impl Aliasing {
     /// or the light (w <= 0), or where a number is not finite.
     ///
     /// ```
-    /// use shadow_math::{Camera, Light, LightKind, Projection, ShadowSettings, aliasing::Aliasing, bounds::Aabb, exposure::Exposure, plan};
+    /// use shadow_math::{Camera, Light, LightKind, Projection, ShadowSettings, aliasing::Aliasing, bounds::Aabb, exposure::Exposure, fit, plan};
     /// use glam::{DVec3, Vec3};
     ///
     /// // A floor of 8 m, a sun overhead, and a camera that looks straight down at 4 m of it with 100 pixels.
     /// let floor = Aabb::new(Vec3::new(-4.0, 0.0, -4.0), Vec3::new(4.0, 0.0, 4.0));
     /// let sun = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
     /// let mut views = [plan::ViewPlan::default(); plan::MAX_VIEWS_PER_LIGHT];
-    /// plan::plan_light(&sun, &[floor], floor, &ShadowSettings::default(), 0, &mut views)?;
+    /// plan::plan_light(&sun, &fit::Subject::unseen(&[floor], floor), &ShadowSettings::default(), [0, 0], &mut views)?;
     /// let projection = Projection::Orthographic { half_height: 2.0, near: 0.0, far: 10.0 };
     /// let camera = Camera::look_at(DVec3::Y * 5.0, DVec3::ZERO, projection)?;
     /// let camera = plan::plan_camera(&camera, 100, 100, Exposure::automatic([&sun], floor), 1)?;
@@ -184,6 +184,7 @@ mod tests {
         Camera, Light, LightKind, Projection, ShadowSettings,
         bounds::Aabb,
         exposure::Exposure,
+        fit::Subject,
         plan::{MAX_VIEWS_PER_LIGHT, plan_camera, plan_light},
     };
 
@@ -247,7 +248,8 @@ mod tests {
             let light = Light { kind, color: Vec3::ONE, intensity: 1.0 };
             let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
             let settings = ShadowSettings { map_size: SIZE, ..ShadowSettings::default() };
-            let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light can be planned");
+            let plan = plan_light(&light, &Subject::unseen(&[bounds], bounds), &settings, [0, 0], &mut views)
+                .expect("the light can be planned");
             views.into_iter().take(plan.view_count as usize)
         })
     }

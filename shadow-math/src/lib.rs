@@ -14,7 +14,8 @@
 //! let sun = Light { kind: LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.2) }, color: Vec3::ONE, intensity: 80_000.0 };
 //! let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
 //! let mut views = [plan::ViewPlan::default(); plan::MAX_VIEWS_PER_LIGHT];
-//! let subject = fit::Subject::unseen(&[scene], scene);
+//! let casters = [scene];
+//! let subject = fit::Subject::unseen(&casters, scene);
 //! let light = plan::plan_light(&sun, &subject, &ShadowSettings::default(), [0, 0], &mut views)?;
 //! assert_eq!(light.view_count, 1);
 //! assert!(views[0].texel_metres[0] < 0.01, "one texel of the map covers about 8 mm");
@@ -110,5 +111,7 @@ pub mod exposure;
 pub use camera::{Camera, CameraError, Projection};
 pub use light::{Light, LightError, LightKind, LightShape};
 pub use plan::PlanError;
-pub use settings::{Bias, Cascades, Composition, Filter, Fit, FitFrom, Selection, ShadowSettings, Split, SplitScheme, Store, Terminator, Texels};
+pub use settings::{
+    Bias, Cascades, Composition, Filter, Fit, FitFrom, Selection, ShadowSettings, Split, SplitScheme, Store, Terminator, Texels,
+};
 pub use visibility::{MapAccess, Receiver, visibility};

@@ -136,7 +136,8 @@ pub fn choose_views(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) 
                 choice.share = (1.0 - rest / band).max(0.0);
             }
         } else {
-            while cascade < last && !(distance_to_rim(light, &views[(light.first_view + cascade) as usize], receiver.point) >= 0.0)
+            while cascade < last
+                && !(distance_to_rim(light, &views[(light.first_view + cascade) as usize], receiver.point) >= 0.0)
             {
                 cascade += 1;
             }

@@ -8,7 +8,7 @@ use shadow_math::{
     bounds::Aabb,
     exposure::Exposure,
     filter::{filtered_test, stored_gradient},
-    fit::{ViewFit, directional_view, spot_view},
+    fit::{Subject, ViewFit, directional_view, spot_view},
     plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_camera, plan_light},
     settings::{BiasParts, ReceiverGradient},
     spaces::{ClipDepth, texel_from_clip},
@@ -141,7 +141,8 @@ fn planned(settings: &ShadowSettings) -> (LightPlan, ViewPlan) {
     let bounds = Aabb::new(Vec3::splat(-1.0), Vec3::ONE);
     let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
     let settings = ShadowSettings { map_size: 64, ..*settings };
-    let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light can be planned");
+    let plan =
+        plan_light(&light, &Subject::unseen(&[bounds], bounds), &settings, [0, 0], &mut views).expect("the light can be planned");
     (plan, views[0])
 }
 

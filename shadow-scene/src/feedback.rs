@@ -57,15 +57,15 @@ fn largest_plane(scene: &Scene, shown: HashMap<u32, u64>) -> Option<DVec4> {
         let key = [plane.x * STEPS, plane.y * STEPS, plane.z * STEPS, plane.w / size * STEPS].map(|x| x.round() as i64);
         planes.entry(key).or_insert((plane, 0)).1 += pixels;
     }
-    let by_size = |a: &(DVec4, u64), b: &(DVec4, u64)| a.1.cmp(&b.1).then_with(|| b.0.to_array().partial_cmp(&a.0.to_array()).unwrap_or(core::cmp::Ordering::Equal));
+    let by_size = |a: &(DVec4, u64), b: &(DVec4, u64)| {
+        a.1.cmp(&b.1).then_with(|| b.0.to_array().partial_cmp(&a.0.to_array()).unwrap_or(core::cmp::Ordering::Equal))
+    };
     planes.into_values().max_by(by_size).map(|(plane, _)| plane)
 }
 
 /// The plane of a triangle, with the normal's largest coordinate above 0, so that both sides have one; `None` for one without area.
 fn plane_of(scene: &Scene, triangle: u32) -> Option<DVec4> {
-    let [a, b, c] = scene.triangles()[triangle as usize].map(|vertex| {
-        scene.vertices().positions[vertex as usize].as_dvec3()
-    });
+    let [a, b, c] = scene.triangles()[triangle as usize].map(|vertex| scene.vertices().positions[vertex as usize].as_dvec3());
     let normal = (b - a).cross(c - a).try_normalize()?;
     let largest = normal.to_array().into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     let normal = if largest < 0.0 { -normal } else { normal };

@@ -203,8 +203,8 @@ impl FramePlan {
             let count = view_count(&light.light, settings).map_err(failed)?;
             views.resize(first + count, ViewPlan::default());
             let first_layer = layer_count(&views[..first]);
-            let mut plan = plan_light(&light.light, &subject, settings, [first as u32, first_layer], &mut views[first..])
-                .map_err(failed)?;
+            let mut plan =
+                plan_light(&light.light, &subject, settings, [first as u32, first_layer], &mut views[first..]).map_err(failed)?;
             picture(&mut plan).map_err(failed)?;
             lights.push(plan);
         }
@@ -349,7 +349,10 @@ fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Op
         .filter_map(|(index, (plan, light))| {
             let view = &views[plan.first_view as usize];
             let [near, far] = view.depth_range;
-            let is_limited = view.w_per_metre > 0.0 && view.has_map() && view.is_warped == 0 && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
+            let is_limited = view.w_per_metre > 0.0
+                && view.has_map()
+                && view.is_warped == 0
+                && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
             let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
             is_limited.then_some((name, near))
         })

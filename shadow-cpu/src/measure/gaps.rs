@@ -176,6 +176,8 @@ mod tests {
         plan::{MAX_VIEWS_PER_LIGHT, plan_light},
     };
 
+    use shadow_math::fit::Subject;
+
     use super::*;
 
     /// The parts are all that there is: they add up to the bias.
@@ -190,7 +192,8 @@ mod tests {
             let light = Light { kind, color: Vec3::ONE, intensity: 1.0 };
             let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
             let settings = ShadowSettings { map_size: 256, ..ShadowSettings::default() };
-            let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light is planned");
+            let plan = plan_light(&light, &Subject::unseen(&[bounds], bounds), &settings, [0, 0], &mut views)
+                .expect("the light is planned");
             for view in &views[..plan.view_count as usize] {
                 let receiver = Receiver::new(Vec3::new(0.5, -1.0, 0.25), Vec3::new(0.2, 1.0, -0.4));
                 let w = row_times_point(view.clip_w, receiver.point);

@@ -264,6 +264,8 @@ mod tests {
         visibility::lookup,
     };
 
+    use shadow_math::fit::Subject;
+
     use super::*;
 
     /// A light that shines straight down, its view, and a receiver whose plane falls 3 to 4 along x and 1 to 4 along z.
@@ -272,7 +274,8 @@ mod tests {
         let light = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, color: Vec3::ONE, intensity: 1.0 };
         let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
         let settings = ShadowSettings { map_size: 512, ..ShadowSettings::default() };
-        let plan = plan_light(&light, &[bounds], bounds, &settings, 0, &mut views).expect("the light is planned");
+        let plan =
+            plan_light(&light, &Subject::unseen(&[bounds], bounds), &settings, [0, 0], &mut views).expect("the light is planned");
         let receiver = Receiver::new(Vec3::new(0.5, 1.0, -0.25), Vec3::new(3.0, 4.0, 1.0));
         (plan, views[..1].to_vec(), receiver)
     }

@@ -276,6 +276,8 @@ mod tests {
         plan::{MAX_VIEWS_PER_LIGHT, plan_light},
     };
 
+    use shadow_math::fit::Subject;
+
     use super::*;
 
     fn views() -> Vec<ViewPlan> {
@@ -286,7 +288,8 @@ mod tests {
         let view = |kind| {
             let light = Light { kind, color: Vec3::ONE, intensity: 1.0 };
             let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
-            plan_light(&light, &[bounds], bounds, &ShadowSettings::default(), 0, &mut views).expect("the light is planned");
+            plan_light(&light, &Subject::unseen(&[bounds], bounds), &ShadowSettings::default(), [0, 0], &mut views)
+                .expect("the light is planned");
             views[0]
         };
         vec![view(sun), view(spot)]

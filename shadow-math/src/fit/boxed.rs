@@ -3,8 +3,7 @@
 use glam::{DMat4, DVec2, DVec3, dcamera::rh};
 
 use super::{
-    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, Window, ViewFit, guard_scale,
-    heights_of_casters, range_in_view,
+    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, ViewFit, Window, guard_scale, heights_of_casters, range_in_view,
     uniform::{MIN_EXTENT_SHARE, MIN_RADIUS},
 };
 use crate::{

@@ -16,7 +16,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
-    DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, Window, ViewFit,
+    DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, ViewFit, Window,
     boxed::{boxed_view, depth_of_heights, nothing_visible},
     guard_scale, heights_of_casters, range_in_view,
     uniform::MIN_EXTENT_SHARE,
@@ -179,12 +179,8 @@ impl LightSpace {
         }
         let of_casters = heights_of_casters(view_from_world, image, casters);
         let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], image.half().max_element());
-        let light_from_view = DMat4::from_cols(
-            DVec4::X,
-            DVec4::Y,
-            DVec4::new(0.0, 0.0, -1.0, 0.0),
-            DVec4::new(0.0, 0.0, top, 1.0),
-        );
+        let light_from_view =
+            DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::new(0.0, 0.0, -1.0, 0.0), DVec4::new(0.0, 0.0, top, 1.0));
         let range = DepthRange { near: 0.0, far: top - bottom };
         Self { light_from_view, range, deepest: top - bottom, depth_at_light: 1.0, middle_distance: 1.0 }
     }

@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-use super::{LightFrame, Window, Subject, ViewFit, boxed::rectangle_view};
+use super::{LightFrame, Subject, ViewFit, Window, boxed::rectangle_view};
 use crate::{
     camera::Camera,
     light::{Light, LightKind},

@@ -34,14 +34,8 @@ pub enum FallBack {
 }
 
 impl FallBack {
-    const ALL: [Self; 6] = [
-        Self::LightAlongView,
-        Self::LightInPlane,
-        Self::CameraInPlane,
-        Self::PlaneOutOfView,
-        Self::NoExtent,
-        Self::NoPlane,
-    ];
+    const ALL: [Self; 6] =
+        [Self::LightAlongView, Self::LightInPlane, Self::CameraInPlane, Self::PlaneOutOfView, Self::NoExtent, Self::NoPlane];
 
     /// The name in JSON.
     #[must_use]

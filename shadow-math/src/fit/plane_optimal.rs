@@ -148,11 +148,8 @@ impl PlaneOptimal {
         let is_perspective = light.w != 0.0;
         let normal = plane.truncate();
         // The axis of a light at a place is the one across the plane: distances along it are its height less the point's.
-        let (axis, position) = if is_perspective {
-            (-normal, light.truncate() / light.w)
-        } else {
-            (-light.truncate().normalize(), DVec3::ZERO)
-        };
+        let (axis, position) =
+            if is_perspective { (-normal, light.truncate() / light.w) } else { (-light.truncate().normalize(), DVec3::ZERO) };
         let rotation = world_from_view_rotation(axis);
         let view_from_world = rigid_inverse(rotation, position);
         let world_from_view = DMat4::from_rotation_translation(rotation, position);
@@ -171,10 +168,7 @@ impl PlaneOptimal {
             view_from_world,
             clip_from_view: clip_from_world * world_from_view,
             range,
-            depth_scale: DepthScale {
-                factor: -depth_factor * light_height,
-                w_per_metre: if is_perspective { 1.0 } else { 0.0 },
-            },
+            depth_scale: DepthScale { factor: -depth_factor * light_height, w_per_metre: if is_perspective { 1.0 } else { 0.0 } },
             texel_metres: texel.to_array(),
             is_warped: true,
             half_space: self.half_space(),

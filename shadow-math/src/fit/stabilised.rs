@@ -11,7 +11,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, dcamera::rh};
 
 use super::{
-    DepthRange, Eye, LightFrame, Window, Subject, ViewFit, boxed::depth_of_heights, heights_of_casters, uniform::rigid_inverse,
+    DepthRange, Eye, LightFrame, Subject, ViewFit, Window, boxed::depth_of_heights, heights_of_casters, uniform::rigid_inverse,
 };
 use crate::{camera::Projection, depth::DepthScale};
 

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec2, DVec3, Vec3, dcamera::rh};
 
-use super::{DepthRange, RANGE_MARGIN, Window, ViewFit, guard_scale, range_in_view};
+use super::{DepthRange, RANGE_MARGIN, ViewFit, Window, guard_scale, range_in_view};
 use crate::{bounds::Aabb, camera::world_from_view_rotation, depth::DepthScale};
 
 /// The smallest extent of a directional light's box on an axis, as a share of the bounds' radius: a scene without

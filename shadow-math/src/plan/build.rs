@@ -19,8 +19,8 @@ use crate::{
     fit::Subject,
     light::{Light, LightKind},
     settings::{
-        Bias, BiasParts, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient,
-        SUBPIXEL_BITS, ShadowSettings, Store, Terminator,
+        Bias, BiasParts, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient, SUBPIXEL_BITS,
+        ShadowSettings, Store, Terminator,
     },
     spaces::ClipDepth,
 };
@@ -292,6 +292,12 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::{
+        bounds::Aabb,
+        plan::{MAX_VIEWS_PER_LIGHT, SPLIT_CUBE},
+        settings::Split,
+        spaces::texel_from_ndc,
+    };
 
     fn scene() -> Aabb {
         Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0))
@@ -305,9 +311,9 @@ mod tests {
         }
     }
 
-    fn plan(light: &Light, settings: &ShadowSettings) -> Result<(LightPlan, [ViewPlan; 6]), PlanError> {
+    fn plan(light: &Light, settings: &ShadowSettings) -> Result<(LightPlan, [ViewPlan; MAX_VIEWS_PER_LIGHT]), PlanError> {
         let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
-        Ok((plan_light(light, &[scene()], scene(), settings, 0, &mut views)?, views))
+        Ok((plan_light(light, &Subject::unseen(&[scene()], scene()), settings, [0, 0], &mut views)?, views))
     }
 
     #[test]
@@ -354,9 +360,9 @@ mod tests {
         let error = refused(&sun, parts(BiasParts { receiver_gradient: Some(gradient), ..none }));
         assert_eq!(error, PlanError::ReceiverGradient(-0.5));
         let mut few = [ViewPlan::default(); 5];
-        let error = plan_light(&spot(1.5), &[scene()], scene(), &settings, 0, &mut few).unwrap_err();
+        let error = plan_light(&spot(1.5), &Subject::unseen(&[scene()], scene()), &settings, [0, 0], &mut few).unwrap_err();
         assert_eq!(error, PlanError::Views { needed: 6, given: 5 });
-        let error = plan_light(&sun, &[], Aabb::EMPTY, &settings, 0, &mut few).unwrap_err();
+        let error = plan_light(&sun, &Subject::unseen(&[], Aabb::EMPTY), &settings, [0, 0], &mut few).unwrap_err();
         assert_eq!(error, PlanError::EmptyBounds);
     }
 

@@ -177,4 +177,3 @@ pub(super) fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
 pub(super) fn rounded(v: DVec4) -> [f32; 4] {
     v.as_vec4().to_array()
 }
-

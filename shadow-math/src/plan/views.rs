@@ -249,9 +249,9 @@ impl Fitting<'_> {
         };
         let frame = self.frame(face);
         match fit {
-            Fit::PlaneOptimal => Ok(self.plane_optimal(eye, &frame, range).unwrap_or_else(|why| {
-                self.uniform(face).in_place_of_another(why)
-            })),
+            Fit::PlaneOptimal => {
+                Ok(self.plane_optimal(eye, &frame, range).unwrap_or_else(|why| self.uniform(face).in_place_of_another(why)))
+            }
             Fit::OgreUniform => {
                 let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
                 Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, size))
@@ -266,13 +266,7 @@ impl Fitting<'_> {
     }
 
     /// The view of what is seen between two distances, by one of the fits that follow a body.
-    fn of_slice(
-        &self,
-        fit: Fit,
-        frame: &LightFrame,
-        slice: Slice,
-        uniform: impl FnOnce() -> ViewFit,
-    ) -> ViewFit {
+    fn of_slice(&self, fit: Fit, frame: &LightFrame, slice: Slice, uniform: impl FnOnce() -> ViewFit) -> ViewFit {
         let Slice { range, size, lispsm_factor, ogre_planes } = slice;
         let Some(eye) = &self.subject.eye else { return uniform() };
         let body = visible_body(&self.fitted(eye), range, self.subject, frame);

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec4};
 use shadow_math::{
+    Receiver,
     depth::{DEPTH_LINEAR, comparable_depth},
     filter::{
         stored_gradient, tap_depth,
@@ -10,7 +11,6 @@ use shadow_math::{
     plan::{BIAS_RECEIVER_GRADIENT, ViewPlan},
     srgb::encode_pixel,
     vector::row_times_point,
-    Receiver,
     visibility::{Lookup, NO_VIEW, choose_views, lookup_in_view},
 };
 

@@ -12,6 +12,7 @@ use arbitrary::Arbitrary;
 use glam::{DQuat, DVec3, Vec2, Vec3, Vec4};
 use libfuzzer_sys::fuzz_target;
 use shadow_math::{
+    fit::Subject,
     Bias, Camera, Filter, Light, LightKind, Projection, ShadowSettings, Split,
     bounds::Aabb,
     exposure::Exposure,
@@ -153,7 +154,7 @@ fuzz_target!(|input: Input| {
 
     for light in &lights {
         let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
-        if let Ok(plan) = plan_light(light, &casters, all, &settings, 7, &mut views) {
+        if let Ok(plan) = plan_light(light, &Subject::unseen(&casters, all), &settings, [7, 7], &mut views) {
             assert_finite_light(&plan);
             let count = plan.view_count as usize;
             assert_eq!(Ok(count), view_count(light, &settings));

@@ -322,7 +322,8 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
             ShadowSettings { split, bias, filter, store, texels, terminator, map_size: MAP_SIZE, ..ShadowSettings::default() };
         let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
         let plan =
-            plan_light(&light, &[scene], scene, &settings, views.len() as u32, &mut lent).expect("the light can be planned");
+            plan_light(&light, &Subject::unseen(&[scene], scene), &settings, [views.len() as u32, views.len() as u32], &mut lent)
+                .expect("the light can be planned");
         views.extend_from_slice(&lent[..plan.view_count as usize]);
         lights.push(plan);
     };
