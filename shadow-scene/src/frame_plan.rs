@@ -205,6 +205,8 @@ impl FramePlan {
             let first_layer = layer_count(&views[..first]);
             let mut plan =
                 plan_light(&light.light, &subject, settings, [first as u32, first_layer], &mut views[first..]).map_err(failed)?;
+            // Some fits make one view where others take six.
+            views.truncate(first + plan.view_count as usize);
             picture(&mut plan).map_err(failed)?;
             lights.push(plan);
         }

@@ -2,6 +2,7 @@
 //!
 //! The tests themselves are in `tests/` beside it, one file a topic, joined into one program.
 
+pub mod cameras;
 mod known;
 pub mod lights;
 pub mod mirror;

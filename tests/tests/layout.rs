@@ -29,8 +29,8 @@ use shadow_math::{
         BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
         BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE,
         COMPOSE_UNSHADOWED, CameraPlan, FILTER_BILINEAR, FILTER_CROSS, FILTER_DISC, FILTER_FOOTPRINT, FILTER_HARD,
-        FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SPLIT_CUBE, SPLIT_SINGLE,
-        TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
+        FILTER_SEPARABLE, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LightPlan, PixelRays, SELECT_BY_CONTAINMENT,
+        SELECT_BY_DEPTH, SPLIT_CASCADES, SPLIT_CUBE, SPLIT_SINGLE, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
     },
     shade::{INVERSE_PI, MIN_HIGHLIGHT, SPECULAR_REFLECTANCE, SPECULAR_SCALE},
     srgb::LINEAR_LIMIT,
@@ -88,6 +88,7 @@ macro_rules! shapes {
 }
 
 shapes! {
+    [[f32; 4]; 2] = "array<vec4<f32>, 2>",
     [[f32; 4]; 8] = "array<vec4<f32>, 8>",
     f32 = "f32",
     u32 = "u32",
@@ -172,9 +173,12 @@ fn layouts() -> Vec<Layout> {
             picture_y,
             picture_w,
             picture_height,
-            padding_0,
-            padding_1,
-            padding_2,
+            selection,
+            guard_texels,
+            shadow_far,
+            view_distance,
+            split_far,
+            split_band,
             filter_table,
         }),
         layout!(ViewPlan {
@@ -209,9 +213,11 @@ fn layouts() -> Vec<Layout> {
             caster_asymptote,
             caster_push,
             snap_texels,
+            is_warped,
+            fit_outcome,
             padding_0,
-            padding_1,
-            padding_2,
+            distance,
+            half_space,
             rect,
         }),
         layout!(TextureData { first_word, width, height, wrap_u, wrap_v }),
@@ -272,6 +278,9 @@ fn constants() -> Vec<(&'static str, Vec<u32>)> {
         LIGHT_POINT,
         SPLIT_SINGLE,
         SPLIT_CUBE,
+        SPLIT_CASCADES,
+        SELECT_BY_DEPTH,
+        SELECT_BY_CONTAINMENT,
         BIAS_NONE,
         BIAS_CONSTANT,
         BIAS_SLOPE,
@@ -361,6 +370,8 @@ fn mirrors_source() -> String {
         fn filter_kind(light: u32) -> u32 {{ return lights[light].filter_kind; }}
         fn bias_kind(light: u32) -> u32 {{ return lights[light].bias; }}
         fn depth_kind(view: u32) -> u32 {{ return views[view].depth_kind; }}
+        fn is_warped(view: u32) -> u32 {{ return views[view].is_warped; }}
+        fn blends_views(light: u32) -> bool {{ return true; }}
         fn fetch_texel(layer: u32, x: u32, y: u32) -> f32 {{ return 1.0; }}",
         join(MIRRORS)
     )

@@ -4,6 +4,7 @@ mod acne;
 mod agreement;
 mod aliasing;
 mod analytic;
+mod cameras;
 mod comparator;
 mod composition;
 mod import;

@@ -7,13 +7,17 @@ mod world;
 
 use std::sync::OnceLock;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use shadow_gpu::DriverRules;
 use shadow_math::{
-    Bias, Filter, Light, LightKind, MapAccess, Receiver, ShadowSettings, Split, Store, Terminator, Texels, approx,
-    bias::{MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit},
+    Bias, Camera, Cascades, Filter, Fit, Light, LightKind, MapAccess, Projection, Receiver, Selection, ShadowSettings, Split,
+    Store, Terminator, Texels, approx,
+    bias::{
+        MAX_DEPTH_BIAS, OFFSET_SLOPE, depth_bias, depth_gradient, needed_depth, normal_offset, normal_step, plane_limit,
+        texel_width,
+    },
     bounds::Aabb,
-    caster::{CASTER_POLYGON_OFFSET, caster_offset, pushed_depth},
+    caster::{CASTER_POLYGON_OFFSET, caster_offset, pushed_depth, texel_ray},
     depth::{
         DEPTH_LINEAR, DEPTH_REVERSED, comparable_depth, depth_limits, depth_of_two, encoded_depth, linear_bias, receiver_depth,
     },
@@ -22,7 +26,7 @@ use shadow_math::{
         taps::{for_each_test_place, for_each_weighted_tap},
         turn::turn_of_pixel,
     },
-    fit::cube_face_of,
+    fit::{Eye, Subject, cube_face_of},
     material::{
         DECODE_TABLE_LEN, FLAG_MASK, MaterialData, NO_TEXTURE, TextureData, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, base_color,
         decode_texel, sample_texture, wrap_texel,
@@ -30,14 +34,14 @@ use shadow_math::{
     picture::{picture_color, plan_picture},
     plan::{
         BIAS_AUTOMATIC, BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, FILTER_BILINEAR, FILTER_SEPARABLE, LightPlan,
-        MAX_VIEWS_PER_LIGHT, PixelRays, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
+        MAX_VIEWS_PER_LIGHT, PixelRays, SELECT_BY_CONTAINMENT, SPLIT_CASCADES, SPLIT_SINGLE, ViewPlan, plan_light, toward_light,
     },
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
     shade::{MAX_DEVIATION, Surface, attenuation, light_reach, shade_ambient, shade_light, shadow_factor, softened_terminator},
     srgb::{decode_table, linear_to_srgb},
     triangle::{Ray, pixel_ray, pixel_steps, triangle_point, turned_to_viewer},
     vector::{normalized, row_times_point, row_times_vector, unit_normal},
-    visibility::{Lookup, NO_VIEW, lookup, visibility},
+    visibility::{Lookup, NO_VIEW, choose_views, lookup, lookup_in_view, visibility, visibility_in_view},
 };
 use shadow_tests::{
     mirror::{Globals, MIRRORS, evaluate, ulps},
@@ -185,6 +189,37 @@ const TABLE: &[Mirror] = &[
         twin: |world, i| numbers(toward_light(world.light(i[0]), v3(i, 1)).to_array()),
         bound: 0,
         reason: "one correctly rounded subtraction",
+    },
+    Mirror {
+        file: "caster",
+        functions: &["texel_ray"],
+        statements: "let ray = texel_ray(u32(input(0u)), input(1u), input(2u));
+            output3(0u, ray.origin);
+            output3(3u, ray.direction);",
+        inputs_each: 3,
+        inputs: |world, random| {
+            random.groups(&[[0.0; 3], [0.0, 0.5, 0.5]], |random| {
+                let texel = [random.below(MAP_SIZE), random.below(MAP_SIZE)].map(|x| x as f32 + 0.5);
+                [random.below(world.globals.views.len() as u32) as f32, texel[0], texel[1]]
+            })
+        },
+        twin: |world, i| {
+            let view = world.view(i[0]);
+            let rays = &view.rays;
+            let ray = texel_ray(view, i[1], i[2]);
+            let terms =
+                |a: [f32; 4], dx: [f32; 4], dy: [f32; 4]| v3(&a, 0).abs() + (v3(&dx, 0) * i[1]).abs() + (v3(&dy, 0) * i[2]).abs();
+            // A homogeneous origin is divided by what the same sum makes of its fourth components.
+            let by = rays.origin[3] + rays.origin_dx[3] * i[1] + rays.origin_dy[3] * i[2];
+            let by_terms = rays.origin[3].abs() + (rays.origin_dx[3] * i[1]).abs() + (rays.origin_dy[3] * i[2]).abs();
+            let homogeneous = view.is_warped != 0 && view.w_per_metre == 0.0;
+            let lost = if homogeneous { by_terms / (by * by) } else { 1.0 };
+            let origin = scaled(ray.origin, terms(rays.origin, rays.origin_dx, rays.origin_dy) * lost);
+            let direction = scaled(ray.direction, terms(rays.direction, rays.direction_dx, rays.direction_dy));
+            [origin, direction].concat()
+        },
+        bound: 16,
+        reason: "four roundings of the terms on each side, and those of a divisor",
     },
     Mirror {
         file: "triangle",
@@ -442,15 +477,15 @@ const TABLE: &[Mirror] = &[
         file: "bias",
         functions: &["depth_bias", "metres_to_depth"],
         statements: "let needed = needed_depth(u32(input(0u)), u32(input(1u)), input3(2u), input3(5u), input(8u), NO_FOOTPRINT);
-            output(0u, depth_bias(u32(input(0u)), u32(input(1u)), needed, input(8u)));",
-        inputs_each: 9,
+            output(0u, depth_bias(u32(input(0u)), u32(input(1u)), needed, input(8u), input(9u)));",
+        inputs_each: 10,
         inputs: |world, random| {
             let view = world.light(NOON).first_view as f32;
-            let edge_on = [NOON, view, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 1.0];
+            let edge_on = [NOON, view, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 1.0, 1.0];
             // So near that the constant bias reaches back to the light.
             let reaching = (0..world.globals.lights.len()).map(|light| {
                 let first = world.globals.lights[light].first_view as f32;
-                [light as f32, first, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.005]
+                [light as f32, first, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.005, 0.005]
             });
             let edges: Vec<_> = [edge_on].into_iter().chain(reaching).collect();
             random.groups(&edges, |random| {
@@ -458,15 +493,16 @@ const TABLE: &[Mirror] = &[
                 let plan = world.light(light);
                 let view = plan.first_view + random.below(plan.view_count);
                 let normal = random.vector(1.0);
-                let w = row_times_point(world.view(view as f32).clip_w, Vec3::new(x, y, z)).abs().max(1e-3);
-                [light, view as f32, x, y, z, normal.x, normal.y, normal.z, w]
+                let view_plan = world.view(view as f32);
+                let [w, distance] = [view_plan.clip_w, view_plan.distance].map(|row| row_times_point(row, Vec3::new(x, y, z)).abs().max(1e-3));
+                [light, view as f32, x, y, z, normal.x, normal.y, normal.z, w, distance]
             })
         },
         twin: |world, i| {
-            let (light, view, point, normal, w) = (world.light(i[0]), world.view(i[1]), v3(i, 2), v3(i, 5), i[8]);
+            let (light, view, point, normal, w, distance) = (world.light(i[0]), world.view(i[1]), v3(i, 2), v3(i, 5), i[8], i[9]);
             let none = [Vec2::ZERO; 2];
-            let value = depth_bias(light, view, needed_depth(light, view, point, normal, w, none), w);
-            vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, w, none) }]
+            let value = depth_bias(light, view, needed_depth(light, view, point, normal, w, none), w, distance);
+            vec![Number { value, scale: magnitude_of_bias(light, view, point, normal, [w, distance], none) }]
         },
         bound: 48,
         reason: "those of the gradient, and three more divisions",
@@ -527,13 +563,15 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "bias",
-        functions: &["normal_step", "plane_limit"],
+        functions: &["normal_step", "plane_limit", "texel_width", "column_step", "across"],
         statements: "let point = input3(1u);
             let normal = unit_normal(input3(4u));
             let view = lights[u32(input(0u))].first_view;
             let w = row_times_point(views[view].clip_w, point);
             output(0u, normal_step(u32(input(0u)), view, point, normal, w));
-            output(1u, plane_limit(u32(input(0u)), view, max(w, 0.5)));",
+            let along = row_times_point(views[view].distance, point);
+            output(1u, plane_limit(u32(input(0u)), view, max(w, 0.5), max(along, 0.5)));
+            output(2u, texel_width(u32(input(0u)), view, point, w));",
         inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
         twin: |world, i| {
@@ -543,11 +581,18 @@ const TABLE: &[Mirror] = &[
             let w = row_times_point(view.clip_w, receiver.point);
             let step = normal_step(light, view, receiver.point, normal, w);
             // The sine of small angles is lost in one minus the cosine's square.
-            let texel = view.texel_metres[0].max(view.texel_metres[1]) * magnitude_of_row(view.clip_w, receiver.point);
-            let limit = plane_limit(light, view, w.max(0.5));
+            let width = texel_width(light, view, receiver.point, w);
+            let texel = if view.is_warped == 0 {
+                view.texel_metres[0].max(view.texel_metres[1]) * magnitude_of_row(view.clip_w, receiver.point)
+            } else {
+                let column = |column: [f32; 4]| v3(&column, 0).abs().element_sum() + column[3].abs() * receiver.point.abs().element_sum();
+                (column(view.world_from_texel_x) + column(view.world_from_texel_y)) * magnitude_of_row(view.clip_w, receiver.point)
+            };
+            let along = row_times_point(view.distance, receiver.point);
+            let limit = plane_limit(light, view, w.max(0.5), along.max(0.5));
             let scale = 1.0 + limit.abs() * (1.0 + light.plane_metres) * 4.0;
             let lost = if normal.is_finite() { light.normal_texels * texel * 4096.0 } else { f32::INFINITY };
-            vec![Number { value: step, scale: lost }, Number { value: limit, scale }]
+            vec![Number { value: step, scale: lost }, Number { value: limit, scale }, Number { value: width, scale: texel }]
         },
         bound: 64,
         reason: "a square root of what is left of one",
@@ -752,7 +797,32 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "visibility",
-        functions: &["lookup", "known_lookup", "footprint", "footprint_side"],
+        functions: &["choose_views", "distance_to_rim"],
+        statements: "let choice = choose_views(u32(input(0u)), Receiver(input3(1u), input3(4u), vec2u(0u, 0u), PixelSteps(input3(9u), input3(12u))));
+            output(0u, select(f32(choice.first), -1.0, choice.first == NO_VIEW));
+            output(1u, select(f32(choice.second), -1.0, choice.second == NO_VIEW));
+            output(2u, choice.share);
+            output(3u, choice.known);",
+        inputs_each: 15,
+        inputs: |world, _| world.receivers.concat(),
+        twin: |world, i| {
+            let (light, receiver) = receiver(world, i);
+            let choice = choose_views(light, &world.globals.views, &receiver);
+            let scale = if world.is_near_choice(light, &receiver) { f32::INFINITY } else { 1.0 };
+            let index = |view: u32| if view == NO_VIEW { -1.0 } else { view as f32 };
+            // What is left of a band, in its own widths: a difference of distances over it.
+            let band = light.split_band.as_flattened().iter().copied().fold(f32::INFINITY, |least, band| if band > 0.0 { least.min(band) } else { least });
+            let lost = magnitude_of_row(light.view_distance, receiver.point).max(64.0) / band.min(1.0);
+            let share = Number { value: choice.share, scale: if choice.share > 0.0 { scale * lost } else { scale } };
+            let [first, second, known] = [index(choice.first), index(choice.second), choice.known].map(|value| Number { value, scale });
+            vec![first, second, share, known]
+        },
+        bound: 48,
+        reason: "choices are exact but where a cascade ends; a share is what is left of a difference",
+    },
+    Mirror {
+        file: "visibility",
+        functions: &["lookup", "lookup_in_view", "known_lookup", "footprint", "footprint_side"],
         statements: "let found = lookup(u32(input(0u)), Receiver(input3(1u), input3(4u), vec2u(u32(input(7u)), u32(input(8u))), PixelSteps(input3(9u), input3(12u))));
             output(0u, select(f32(found.view), -1.0, found.view == NO_VIEW));
             output(1u, found.known);
@@ -790,7 +860,7 @@ const TABLE: &[Mirror] = &[
     },
     Mirror {
         file: "visibility",
-        functions: &["visibility"],
+        functions: &["visibility", "visibility_in_view"],
         statements: "output(0u, visibility(u32(input(0u)), Receiver(input3(1u), input3(4u), vec2u(u32(input(7u)), u32(input(8u))), PixelSteps(input3(9u), input3(12u)))));",
         inputs_each: 15,
         inputs: |world, _| world.receivers.concat(),
@@ -798,6 +868,13 @@ const TABLE: &[Mirror] = &[
             let (light, receiver) = receiver(world, i);
             let views = &world.globals.views;
             let value = visibility(light, views, &world.map(), &receiver);
+            let choice = choose_views(light, views, &receiver);
+            if choice.share > 0.0 {
+                // A mean of two, each of which jumps: those that are the same are looked at.
+                let [first, second] = [choice.first, choice.second].map(|view| visibility_in_view(light, views, &world.map(), view, &receiver));
+                let is_decided = first == second && !world.is_near_jump(light, &receiver);
+                return vec![Number { value, scale: if is_decided { 1.0 } else { f32::INFINITY } }];
+            }
             let scale = world.scale_of_lookup(light, &receiver);
             let found = lookup(light, views, &receiver);
             // The contract's: a hard test jumps at a texel's border.

@@ -14,8 +14,9 @@ use shadow_math::{
     Bias, Filter, ShadowSettings, Store,
     settings::{BiasParts, Ogre2006, PolygonOffset, ReceiverGradient},
 };
-use shadow_scene::{Frame, FramePlan, Request, Scene, SceneLight, compare::compare, import};
+use shadow_scene::{Frame, Request, Scene, SceneLight, compare::compare, import};
 use shadow_tests::{
+    cameras::{self, Cameras},
     lights::one_of_each,
     renderers::{self, contract, is_full, scene_files, scenes},
     report::{disagreement, say},
@@ -59,6 +60,7 @@ struct Tally {
 
 /// The renderers that every scene goes through.
 struct Sweep {
+    cameras: Vec<Cameras>,
     cpus: [CpuRenderer; THREADS.len()],
     sizes: Sizes,
     tally: Tally,
@@ -106,24 +108,46 @@ impl Sweep {
         let turn = self.tally.turns;
         let store = Store::ALL[turn % Store::ALL.len()];
         let bias = |turn: usize| bias_for(store, bias(turn));
+        let uniform = self.cameras[0];
         let chosen: Vec<_> = if is_full() {
             let others = Filter::ALL.into_iter().filter(|&filter| filter != Filter::default());
-            let small = others.enumerate().map(|(index, filter)| (filter, bias(turn + index), Sizes::SMALL));
-            std::iter::once((Filter::default(), Bias::Automatic, self.sizes)).chain(small).collect()
+            let small = others.enumerate().map(|(index, filter)| (filter, bias(turn + index), Sizes::SMALL, uniform));
+            let cameras = self.cameras.iter().skip(1).map(|cameras| (Filter::default(), Bias::Automatic, Sizes::SMALL, *cameras));
+            std::iter::once((Filter::default(), Bias::Automatic, self.sizes, uniform)).chain(small).chain(cameras).collect()
+        } else if turn % 2 == 0 {
+            vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes, uniform)]
         } else {
-            vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes)]
+            // Where samples go takes turns, too; narrow filters leave room in the smallest maps of cascades.
+            let filter = [Filter::Bilinear, Filter::Hard, Filter::Box5][turn / 2 % 3];
+            let cameras = self.cameras[1 + turn / 2 % (self.cameras.len() - 1)];
+            let bias = if cameras.name == "cascades of all kinds" { Bias::slope(1.0, 0.0) } else { bias(turn) };
+            vec![(filter, bias, self.sizes, cameras)]
         };
-        for (filter, bias, sizes) in chosen {
+        for (filter, bias, sizes, cameras) in chosen {
             self.tally.turns += 1;
-            let case = format!("{case} {} {bias:?} {}", filter.name(), store.name());
+            let named = if cameras.name == uniform.name { String::new() } else { format!("{} ", cameras.name) };
+            let case = format!("{case} {named}{} {bias:?} {}", filter.name(), store.name());
             let settings = ShadowSettings { filter, bias, store, map_size: sizes.map, ..renderers::settings() };
-            match self.compare(&case, scene, &settings, sizes.picture, prepared, uploaded) {
-                Ok(layers) => {
-                    self.tally.comparisons += 1;
-                    self.tally.layers += layers;
-                }
-                Err(failure) => self.tally.failures.push(failure),
+            self.one(&case, scene, &settings, sizes, cameras, (prepared, uploaded));
+        }
+    }
+
+    /// Compares one frame, and counts it.
+    fn one(
+        &mut self,
+        case: &str,
+        scene: &Scene,
+        settings: &ShadowSettings,
+        sizes: Sizes,
+        cameras: Cameras,
+        (prepared, uploaded): (&PreparedScene<'_>, &GpuScene),
+    ) {
+        match self.compare(case, scene, settings, sizes.picture, cameras, (prepared, uploaded)) {
+            Ok(layers) => {
+                self.tally.comparisons += 1;
+                self.tally.layers += layers;
             }
+            Err(failure) => self.tally.failures.push(failure),
         }
     }
 
@@ -133,13 +157,12 @@ impl Sweep {
         case: &str,
         scene: &Scene,
         settings: &ShadowSettings,
-        (width, height): (u32, u32),
-        prepared: &PreparedScene<'_>,
-        uploaded: &GpuScene,
+        picture: (u32, u32),
+        cameras: Cameras,
+        (prepared, uploaded): (&PreparedScene<'_>, &GpuScene),
     ) -> Result<usize, String> {
         let failed = |error: &dyn std::error::Error| format!("{case}: {error}");
-        let plan =
-            FramePlan::new(scene, &scene.cameras()[0].camera, settings, width, height, None).map_err(|error| failed(&error))?;
+        let plan = cameras.plan((&self.cpus[0], prepared), scene, settings, picture).map_err(|error| failed(&error))?;
         let on_cpu = |renderer: &CpuRenderer| renderer.render(prepared, &plan, Request::ALL).map_err(|error| failed(&error));
         let cpu = on_cpu(&self.cpus[0])?.frame;
         let mut failures = String::new();
@@ -224,7 +247,7 @@ fn every_scene_agrees() {
     let start = Instant::now();
     let cpus = THREADS.map(|threads| CpuRenderer::new(threads, renderers::rules()).expect("the threads start"));
     let sizes = if is_full() { Sizes::FULL } else { Sizes::SMALL };
-    let mut sweep = Sweep { cpus, sizes, tally: Tally::default() };
+    let mut sweep = Sweep { cameras: cameras::all(), cpus, sizes, tally: Tally::default() };
     for file in &files {
         // The other scenes are worth hearing of even if one makes a renderer panic.
         let result = catch_unwind(AssertUnwindSafe(|| sweep.file(file, &folder.join(file))));

@@ -108,7 +108,8 @@ pub fn plan_light(
     plan.view_count = count as u32;
     check_store(settings)?;
     plan_views(&mut plan, light, subject, settings, first_layer, views)?;
-    let is_usable = views.iter().all(is_usable_view) && are_finite(&[&plan.view_distance, &[plan.shadow_far]]);
+    let is_usable =
+        views[..plan.view_count as usize].iter().all(is_usable_view) && are_finite(&[&plan.view_distance, &[plan.shadow_far]]);
     if is_usable { Ok(plan) } else { Err(PlanError::LightOverflow) }
 }
 

@@ -19,15 +19,13 @@ use crate::{
     splits::{histogram_bin, practical_split, quantile_splits},
 };
 
-/// How many views a light takes under these settings: 1, 6, or one for each cascade.
+/// How many views a light takes under these settings: 1, 6, or one for each cascade. Fits that make one map for any light, plane-optimal and OGRE's uniform one, take one where they exist, and these where they do not.
 ///
 /// # Errors
 ///
 /// [`PlanError::CubeAroundDirection`], [`PlanError::CascadesOfCube`] and [`PlanError::CascadeCount`].
 pub fn view_count(light: &Light, settings: &ShadowSettings) -> Result<usize, PlanError> {
     let takes_cube = match light.kind {
-        // OGRE's default setup has one map for any light.
-        _ if settings.fit == Fit::OgreUniform && settings.split == Split::Single => false,
         LightKind::Directional { .. } => false,
         LightKind::Spot { outer, .. } => outer > MAX_SINGLE_MAP_OUTER_ANGLE,
         LightKind::Point { .. } => true,
@@ -97,8 +95,25 @@ pub(super) fn plan_views(
         _ => {
             fitting.check_size(settings.map_size)?;
             let count = views.len();
-            for (face, view) in views.iter_mut().enumerate() {
-                write(view, &fitting.whole(if count == 1 { None } else { Some(face) })?);
+            let face_of = |view: usize| if count == 1 { None } else { Some(view) };
+            let is_of_all = matches!(settings.fit, Fit::PlaneOptimal | Fit::OgreUniform);
+            let mut why = None;
+            if is_of_all {
+                match fitting.of_all()? {
+                    Ok(fit) => {
+                        write(&mut views[0], &fit);
+                        (plan.view_count, plan.split) = (1, SPLIT_SINGLE);
+                        return Ok(());
+                    }
+                    Err(fall_back) => why = Some(fall_back),
+                }
+            }
+            for (index, view) in views.iter_mut().enumerate() {
+                let fit = match why {
+                    Some(why) => fitting.uniform(face_of(index)).in_place_of_another(why),
+                    None => fitting.whole(face_of(index))?,
+                };
+                write(view, &fit);
             }
         }
     }
@@ -248,21 +263,21 @@ impl Fitting<'_> {
             return Ok(ViewFit { outcome: FitOutcome::NothingVisible, ..self.uniform(face) });
         };
         let frame = self.frame(face);
-        match fit {
-            Fit::PlaneOptimal => {
-                Ok(self.plane_optimal(eye, &frame, range).unwrap_or_else(|why| self.uniform(face).in_place_of_another(why)))
-            }
-            Fit::OgreUniform => {
-                let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
-                Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, size))
-            }
-            _ => {
-                let [near, far] = eye.planes();
-                let ogre_planes = [near, if far.is_finite() { far } else { 0.0 }];
-                let slice = Slice { range, size, lispsm_factor: 1.0, ogre_planes };
-                Ok(self.of_slice(fit, &frame, slice, || self.uniform(face)))
-            }
+        let [near, far] = eye.planes();
+        let ogre_planes = [near, if far.is_finite() { far } else { 0.0 }];
+        let slice = Slice { range, size, lispsm_factor: 1.0, ogre_planes };
+        Ok(self.of_slice(fit, &frame, slice, || self.uniform(face)))
+    }
+
+    /// The one view of all that there is, of the fits that make one for any light.
+    fn of_all(&self) -> Result<Result<ViewFit, FallBack>, PlanError> {
+        let eye = self.eye()?;
+        if self.settings.fit == Fit::OgreUniform {
+            let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
+            return Ok(Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, self.settings.map_size)));
         }
+        let range = visible_range(&self.fitted(eye), self.subject.bounds, self.shadow_distance());
+        Ok(range.ok_or(FallBack::PlaneOutOfView).and_then(|range| self.plane_optimal(eye, &self.frame(None), range)))
     }
 
     /// The view of what is seen between two distances, by one of the fits that follow a body.

@@ -201,15 +201,65 @@ impl World {
         if tie { f32::INFINITY } else { 1.0 }
     }
 
+    /// The view that a receiver asks first, or would if it faced the light.
+    pub(super) fn asked(&self, light: &LightPlan, receiver: &Receiver) -> u32 {
+        let facing = Receiver { normal: toward_light(light, receiver.point), ..*receiver };
+        let choice = choose_views(light, &self.globals.views, &facing);
+        if choice.first == NO_VIEW { light.first_view } else { choice.first }
+    }
+
+    /// Whether rounding may decide which view a receiver asks.
+    pub(super) fn is_near_choice(&self, light: &LightPlan, receiver: &Receiver) -> bool {
+        /// The least part of a map's half that the f32 rows of its matrix tell apart, many times over.
+        const RIM: f32 = 1e-3;
+        let toward = toward_light(light, receiver.point);
+        let magnitude = receiver.normal.abs().dot(Vec3::from(light.position).abs() + receiver.point.abs());
+        let mut near = is_tie(receiver.normal.dot(toward), magnitude);
+        if light.split != SPLIT_CASCADES && light.shadow_far == f32::MAX {
+            return near;
+        }
+        let terms = magnitude_of_row(light.view_distance, receiver.point);
+        let distance = row_times_point(light.view_distance, receiver.point);
+        let ends = light.split_far.as_flattened().iter().zip(light.split_band.as_flattened());
+        for (&end, &band) in ends {
+            near |= is_tie(distance - end, terms + end.min(1e6)) || is_tie(distance - (end - band), terms + end.min(1e6));
+        }
+        near |= is_tie(distance - light.shadow_far, terms + light.shadow_far.min(1e6));
+        if light.selection == SELECT_BY_CONTAINMENT {
+            for view in &self.globals.views[light.first_view as usize..][..light.view_count as usize] {
+                let w = row_times_point(view.clip_w, receiver.point);
+                let ndc = [view.clip_x, view.clip_y].map(|row| (row_times_point(row, receiver.point) / w).abs());
+                let rim = 1.0 - ndc[0].max(ndc[1]) - light.guard_texels * 2.0 / view.rect[2] as f32;
+                near |= rim.abs() < RIM || is_tie(w, magnitude_of_row(view.clip_w, receiver.point));
+                near |= light.split_band.as_flattened().iter().any(|&band| (rim - band).abs() < RIM);
+            }
+        }
+        near
+    }
+
+    /// Whether rounding may decide anything of what a receiver between two cascades sees in either.
+    pub(super) fn is_near_jump(&self, light: &LightPlan, receiver: &Receiver) -> bool {
+        let choice = choose_views(light, &self.globals.views, receiver);
+        [choice.first, choice.second].into_iter().any(|index| {
+            let view = &self.globals.views[index as usize];
+            let found = lookup_in_view(light, view, index, receiver);
+            let mut at_border = false;
+            for_each_test_place(light, &found, |place| at_border |= (place - place.round()).abs().min_element() < 1.0 / 256.0);
+            let known = found.view == NO_VIEW;
+            known || at_border || self.scale_of_tests(light, &found, 1e-4) == f32::INFINITY
+        })
+    }
+
     /// The sizes of the terms of a lookup's texel x and y, depth and bias; infinite where it is near to choosing another answer.
     pub(super) fn scale_of_lookup(&self, light: &LightPlan, receiver: &Receiver) -> [f32; 4] {
         let toward = toward_light(light, receiver.point);
         let magnitude = receiver.normal.abs().dot(Vec3::from(light.position).abs() + receiver.point.abs());
         let mut near = is_tie(receiver.normal.dot(toward), magnitude);
         let found = lookup(light, &self.globals.views, receiver);
-        let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
-        let view = &self.globals.views[index as usize];
+        near |= self.is_near_choice(light, receiver);
+        let view = &self.globals.views[self.asked(light, receiver) as usize];
         let w = row_times_point(view.clip_w, receiver.point);
+        near |= is_tie(row_times_point(view.half_space, receiver.point), magnitude_of_row(view.half_space, receiver.point));
         near |= is_tie(w, magnitude_of_row(view.clip_w, receiver.point)) || w.is_nan();
         let quotient = |row: [f32; 4]| {
             let value = row_times_point(row, receiver.point) / w;
@@ -240,7 +290,8 @@ impl World {
         let bias = if found.view == NO_VIEW {
             0.0
         } else {
-            let bias = magnitude_of_bias(light, view, receiver.point, receiver.normal, w, found.footprint);
+            let along = row_times_point(view.distance, receiver.point);
+            let bias = magnitude_of_bias(light, view, receiver.point, receiver.normal, [w, along], found.footprint);
             // The slope of linear depth over z / w, where it is steepest: without a bias.
             if view.depth_kind == DEPTH_LINEAR { bias * (w * w / view.depth_factor * view.linear_scale) } else { bias }
         };
@@ -249,9 +300,7 @@ impl World {
 
     /// The size of the terms of a footprint's sides in texels.
     pub(super) fn scale_of_footprint(&self, light: &LightPlan, receiver: &Receiver) -> f32 {
-        let toward = toward_light(light, receiver.point);
-        let index = if light.split == SPLIT_SINGLE { light.first_view } else { light.first_view + cube_face_of(-toward) };
-        let view = &self.globals.views[index as usize];
+        let view = &self.globals.views[self.asked(light, receiver) as usize];
         let w = row_times_point(view.clip_w, receiver.point);
         let steps = receiver.steps[0].abs().max(receiver.steps[1].abs());
         let row = |row: [f32; 4]| row_times_vector(row.map(f32::abs), steps);
@@ -314,18 +363,24 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
     ];
     let scene = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
     let (mut lights, mut views) = (Vec::new(), Vec::new());
-    let mut add_stored = |(kind, split): (LightKind, Split), bias: Bias, filter: Filter, store: Store| {
+    let casters = [scene];
+    let projection = Projection::Perspective { vertical_fov: 1.0, near: 0.5, far: None };
+    let camera = Camera::look_at(DVec3::new(1.0, 4.0, 9.0), DVec3::ZERO, projection).expect("the eye is not the target");
+    let eye = Eye { camera, aspect: 1.5, samples: &[], plane: None };
+    let subject = Subject { casters: &casters, bounds: scene, origin: DVec3::ZERO, eye: Some(eye) };
+    let mut add_with = |kind: LightKind, settings: ShadowSettings| {
         let light = Light { kind, color: Vec3::new(1.0, 0.9, 0.7), intensity: 1500.0 };
         let terminator = [Terminator::Hard, Terminator::Soft][lights.len() % 2];
         let texels = [Texels::OpenGl, Texels::OpenGl, Texels::Direct3d][lights.len() % 3];
-        let settings =
-            ShadowSettings { split, bias, filter, store, texels, terminator, map_size: MAP_SIZE, ..ShadowSettings::default() };
+        let settings = ShadowSettings { texels, terminator, map_size: MAP_SIZE, ..settings };
         let mut lent = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
-        let plan =
-            plan_light(&light, &Subject::unseen(&[scene], scene), &settings, [views.len() as u32, views.len() as u32], &mut lent)
-                .expect("the light can be planned");
+        let plan = plan_light(&light, &subject, &settings, [views.len() as u32, views.len() as u32], &mut lent)
+            .expect("the light can be planned");
         views.extend_from_slice(&lent[..plan.view_count as usize]);
         lights.push(plan);
+    };
+    let mut add_stored = |(kind, split): (LightKind, Split), bias: Bias, filter: Filter, store: Store| {
+        add_with(kind, ShadowSettings { split, bias, filter, store, ..ShadowSettings::default() });
     };
     // Every store, and casters that are drawn deeper.
     for store in Store::ALL.into_iter().filter(|store| *store != Store::Depth32) {
@@ -381,8 +436,35 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
             add(kind, Bias::slope(1.0, 0.01), filter);
         }
     }
+    // Every fit, and cascades of every kind, under biases that measure metres, texels and depth.
+    let every_part = BiasParts { constant: Some(0.02), normal_offset: Some(1.0), receiver_plane: Some(1.0), ..BiasParts::NONE };
+    let biases = [Bias::Automatic, Bias::slope(1.0, 0.01), Bias::Parts(every_part)];
+    let plane = Some([0.1, 1.0, 0.0, 5.0]);
+    for bias in biases {
+        let hard = ShadowSettings { bias, filter: Filter::Hard, plane, ..ShadowSettings::default() };
+        for fit in Fit::ALL.into_iter().filter(|fit| *fit != Fit::Uniform) {
+            for (kind, _) in [kinds[1], kinds[2], kinds[5]] {
+                add_with(kind, ShadowSettings { fit, ..hard });
+            }
+        }
+        let four = Cascades::default();
+        for (fit, cascades) in [
+            (Fit::Uniform, four),
+            (Fit::Focused, Cascades { count: 8, blend: 0.3, ..four }),
+            (Fit::Lispsm, Cascades { count: 3, blend: 0.5, padding: 0.5, ..four }),
+            (Fit::Uniform, Cascades { count: 2, selection: Selection::Containment, ..four }),
+            (Fit::Focused, Cascades { selection: Selection::Containment, blend: 0.4, ..four }),
+        ] {
+            let split = Split::Cascades(cascades);
+            for (kind, _) in [kinds[1], kinds[2]] {
+                add_with(kind, ShadowSettings { fit, split, ..hard });
+                add_with(kind, ShadowSettings { fit, split, shadow_distance: Some(9.0), ..hard });
+            }
+        }
+        add_with(kinds[5].0, ShadowSettings { shadow_distance: Some(8.0), ..hard });
+    }
     // A part of the layer, as an atlas has it.
-    for view in views.iter_mut().step_by(3) {
+    for view in views.iter_mut().step_by(3).filter(|view| view.has_map()) {
         view.rect = [2, 1, MAP_SIZE - 5, MAP_SIZE - 3];
     }
     (lights, views)
@@ -515,17 +597,17 @@ pub(super) fn magnitude_of_bias(
     view: &ViewPlan,
     point: Vec3,
     normal: Vec3,
-    w: f32,
+    [w, distance]: [f32; 2],
     footprint: [Vec2; 2],
 ) -> f32 {
-    let w_before = w - view.w_per_metre * light.bias_metres;
+    let before = distance - view.w_per_metre * light.bias_metres;
     // Without a length there is nothing to lose, however near the light is.
     let reach = if light.bias_metres == 0.0 {
         0.0
     } else {
-        view.depth_factor * light.bias_metres * (w + light.bias_metres) / (w * w_before * w_before)
+        view.depth_factor * light.bias_metres * (distance + light.bias_metres) / (w * before * before)
     };
-    let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w, footprint), w) + reach;
+    let mut magnitude = depth_bias(light, view, needed_depth(light, view, point, normal, w, footprint), w, distance) + reach;
     if light.bias & (BIAS_SLOPE | BIAS_AUTOMATIC | BIAS_RECEIVER_PLANE) != 0 {
         let gradient = magnitude_of_gradient(view, point, normal);
         let texels = light.slope_scale * reach_of(light, footprint) + 1.0 + view.rounding_texels[0] + view.rounding_texels[1] / w;
