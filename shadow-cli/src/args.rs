@@ -4,6 +4,7 @@
 
 mod filter;
 mod help;
+mod plan;
 mod probe;
 mod settings;
 mod shadow;
@@ -24,6 +25,7 @@ use self::help::{
     RENDER_EXAMPLES, SETTINGS_HELP, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
 pub(crate) use self::{
+    plan::PlanArgs,
     filter::{FilterList, FilterName},
     probe::ProbeArgs,
     settings::{DEFAULT_ANGLE_DEGREES, SettingsArgs},
@@ -440,27 +442,6 @@ pub(crate) struct InfoArgs {
     /// file's world space), `units_guess` (`kilometres`, `metres`, `metres-or-centimetres`, `centimetres`, `millimetres`), `extensions_used` and
     /// `extensions_ignored`. A light or camera that stands in for one that the scene lacks is not listed;
     /// `bounds` and `units_guess` are null if nothing is drawn.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// `shadow plan`.
-#[derive(Debug, ClapArgs)]
-pub(crate) struct PlanArgs {
-    /// What picture of which scene.
-    #[command(flatten)]
-    pub(crate) picture: PictureArgs,
-
-    /// Its bias.
-    #[command(flatten)]
-    pub(crate) bias: BiasArgs,
-
-    /// Report as JSON on standard output
-    ///
-    /// An object with `scene`, `notes`, `origin`, `exposure`, `map_size`, `camera` (whose `spec` is what
-    /// --camera takes, null where there is no such description) and `lights`. Each light has its `fit`, `split`,
-    /// `store`, `bias` and `filter`, and `views` with `clip_from_world` (a list of rows), `depth_range` and `texel_metres` in metres (the
-    /// latter at 1 m from the light for a perspective view), and the bounds on `rounding` in texels and in depth.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -276,6 +276,12 @@ pub(crate) enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A drawing whose name ends in something else than .svg.
+    #[error("cannot write `{}`: the drawing is SVG; choose a name that ends in .svg", path.display())]
+    DrawingName {
+        /// The path.
+        path: PathBuf,
+    },
     /// The name of a report for programs does not end in its format.
     #[error("cannot write `{}`: the report is JSON; choose a name that ends in .json", path.display())]
     ReportFormat {

@@ -12,6 +12,7 @@ mod args;
 mod specs;
 mod bias;
 mod light_camera;
+mod light_drawing;
 mod feedback;
 mod settings_file;
 mod presets;

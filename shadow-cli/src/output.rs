@@ -41,6 +41,14 @@ pub(crate) fn check_output_path(path: &Path) -> Result<Format, CliError> {
     Ok(format)
 }
 
+/// Checks, before any work is done, that a drawing can be written there: its name ends in .svg and its folder exists.
+pub(crate) fn check_drawing_path(path: &Path) -> Result<(), CliError> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
+        return Err(CliError::DrawingName { path: path.into() });
+    }
+    check_folder_of(path)
+}
+
 /// Checks, before any work is done, that a file can be written there: its folder exists, and it is no folder itself.
 pub(crate) fn check_folder_of(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {

@@ -146,6 +146,8 @@ struct Shown {
     frame: Frame,
     judgement: Judgement,
     aliasing: FrameAliasing,
+    /// The light cameras, as SVG.
+    drawing: String,
 }
 
 /// Measures and reports.
@@ -233,7 +235,8 @@ pub(super) fn run(args: &MeasureArgs) -> Result<Verdict, CliError> {
                 .collect(),
         });
         if args.report.is_some() {
-            shown.push(Shown { frame, judgement, aliasing });
+            let drawing = light_drawing(&job.scene, &job.camera, plan, &format!("cameras-{}-", shown.len()));
+            shown.push(Shown { frame, judgement, aliasing, drawing });
         }
     }
 

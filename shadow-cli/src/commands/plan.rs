@@ -4,7 +4,8 @@ use glam::DVec3;
 use serde::Serialize;
 use shadow_math::{
     Filter, Fit, Store,
-    plan::{LightPlan, ViewPlan},
+    fit::FitOutcome,
+    plan::{LightPlan, SPLIT_CASCADES, ViewPlan},
 };
 use shadow_scene::SceneLight;
 
@@ -16,6 +17,8 @@ use crate::{
     console::{Console, print, print_json, table},
     error::CliError,
     light_camera::split_name,
+    light_drawing::light_drawing,
+    output::{check_drawing_path, write_text},
     resolve::{Job, kind_name, view_names},
     specs::spec_of,
 };
@@ -65,6 +68,8 @@ struct LightReport<'a> {
     store: Store,
     bias: BiasReport,
     filter: Filter,
+    /// Where each cascade ends, in metres from the camera along its axis; empty without cascades. The last one goes on to wherever shadows end.
+    cascade_ends: Vec<f32>,
     views: Vec<ViewReport>,
 }
 
@@ -87,8 +92,14 @@ struct ViewReport {
     view: usize,
     /// The face of the cube, such as `+x`; empty where there is no cube.
     name: String,
-    /// The layer of the map array.
-    layer: u32,
+    /// The layer of the map array; null for a view in which nothing is seen, which has none.
+    layer: Option<u32>,
+    /// `fitted`, `nothing-visible`, or why the view is the uniform one.
+    outcome: &'static str,
+    /// Whether w is something else than the distance along the axis.
+    is_warped: bool,
+    /// Width and height of the map in texels.
+    size: u32,
     /// `orthographic` or `perspective`.
     projection: &'static str,
     /// From metres relative to the origin to clip space, depth 0 at the near plane.
@@ -152,6 +163,10 @@ impl<'a> LightReport<'a> {
                 summary: summary(settings.bias),
             },
             filter: settings.filter,
+            cascade_ends: match plan.split {
+                SPLIT_CASCADES => plan.split_far.as_flattened()[..views.len() - 1].to_vec(),
+                _ => Vec::new(),
+            },
             views: views
                 .iter()
                 .zip(view_names(views.len()))
@@ -167,7 +182,14 @@ impl ViewReport {
         Self {
             view: index,
             name,
-            layer: view.layer,
+            layer: view.has_map().then_some(view.layer),
+            outcome: match view.outcome() {
+                FitOutcome::Fitted => "fitted",
+                FitOutcome::NothingVisible => "nothing-visible",
+                FitOutcome::FellBackToUniform { why } => why.name(),
+            },
+            is_warped: view.is_warped != 0,
+            size: view.rect[2],
             projection: if view.w_per_metre == 0.0 { "orthographic" } else { "perspective" },
             clip_from_world: [view.clip_x, view.clip_y, view.clip_z, view.clip_w],
             depth_range: view.depth_range,
@@ -180,7 +202,13 @@ impl ViewReport {
 /// Plans the picture and reports.
 pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
     let console = Console::new(args.json);
+    if let Some(path) = &args.draw {
+        check_drawing_path(path)?;
+    }
     let job = Job::resolve(&args.picture, &args.bias, Place::NOWHERE, &console)?;
+    if let Some(path) = &args.draw {
+        write_text(path, &light_drawing(&job.scene, &job.camera, &job.plan, "side"))?;
+    }
     console.finish();
     let report = Report::of(&job);
     if args.json { print_json(&report) } else { print(&text(&report)) }?;
@@ -206,11 +234,24 @@ fn text(report: &Report<'_>) -> String {
             rows.push(row);
         }
         for view in &light.views {
-            let at = if view.projection == "perspective" { " at 1 m" } else { "" };
+            if view.outcome == "nothing-visible" {
+                let mut row = vec![format!("{} {} `{}`", light.light, light.kind, light.name), format!("{} {}", view.view, view.name)];
+                row.push("nothing is seen".into());
+                row.resize(rows[0].len(), String::new());
+                rows.push(row);
+                continue;
+            }
+            let at = if view.is_warped {
+                " in the middle"
+            } else if view.projection == "perspective" {
+                " at 1 m"
+            } else {
+                ""
+            };
             rows.push(vec![
                 format!("{} {} `{}`", light.light, light.kind, light.name),
                 format!("{} {}", view.view, view.name).trim().into(),
-                view.projection.into(),
+                if view.is_warped { format!("{}, warped", view.projection) } else { view.projection.into() },
                 format!("{:.3} m", view.depth_range[0]),
                 format!("{:.3} m", view.depth_range[1]),
                 format!("{:.2} x {:.2} mm{at}", 1e3 * view.texel_metres[0], 1e3 * view.texel_metres[1]),

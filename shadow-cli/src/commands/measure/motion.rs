@@ -38,6 +38,8 @@ pub(super) struct StabilityReport {
     zoom: f64,
     /// While the lights move.
     light: f64,
+    /// The share of points that ask other maps after the camera has moved or turned than before, and are not counted above: between cascades, or faces of a cube.
+    other_maps: f64,
 }
 
 impl StabilityReport {
@@ -102,7 +104,7 @@ impl<'a> Motions<'a> {
             let maps = draw_maps(backend, &moved, console)?;
             let after = Moment { plan: &moved, maps: &maps, lights: scene.lights() };
             console.step();
-            Ok::<_, CliError>(Stability::between(self.tracer, &self.points, &before, &after).score())
+            Ok::<_, CliError>(Stability::between(self.tracer, &self.points, &before, &after))
         };
         let step = plan.views.first().map_or(0.0, |view| {
             // At the far plane a perspective view's texels are largest.
@@ -111,11 +113,14 @@ impl<'a> Motions<'a> {
         });
         // Across and along the view, so that no axis stays as it was.
         let sideways = camera.orientation * DVec3::new(0.8, 0.0, 0.6);
+        let moved = score(scene, &Camera { eye: camera.eye + sideways * step, ..*camera })?;
+        let turn = score(scene, &Camera { orientation: camera.orientation * DQuat::from_rotation_y(TURN), ..*camera })?;
         Ok(StabilityReport {
-            moved: score(scene, &Camera { eye: camera.eye + sideways * step, ..*camera })?,
-            turn: score(scene, &Camera { orientation: camera.orientation * DQuat::from_rotation_y(TURN), ..*camera })?,
-            zoom: score(scene, &Camera { projection: zoomed(camera.projection), ..*camera })?,
-            light: score(&self.relit, camera)?,
+            moved: moved.score(),
+            turn: turn.score(),
+            zoom: score(scene, &Camera { projection: zoomed(camera.projection), ..*camera })?.score(),
+            light: score(&self.relit, camera)?.score(),
+            other_maps: moved.share_of_other_maps().max(turn.share_of_other_maps()),
         })
     }
 }

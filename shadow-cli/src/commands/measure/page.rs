@@ -226,7 +226,7 @@ fn technique_section(number: usize, technique: &TechniqueReport, shown: &Shown, 
         }
         section.push_str("</div>\n");
     }
-    section.push_str("</section>\n");
+    section.push_str(&format!("<h3>Its light cameras</h3>\n<div class=\"wide\">{}</div>\n</section>\n", shown.drawing));
     Ok(section)
 }
 
