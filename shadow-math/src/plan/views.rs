@@ -10,8 +10,8 @@ use super::{
 use crate::{
     filter::guard_texels,
     fit::{
-        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreSetup, Subject, ViewFit,
-        boxed_view, focused_view, lispsm_view, ogre_uniform_view, ogre_warp, optimal_warp, plane_depth_factor, plane_optimal,
+        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OGRE_THRESHOLD, OgreSetup, Subject, ViewFit,
+        boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp, optimal_warp, plane_depth_factor, plane_optimal,
         stabilised_view, visible_body, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
@@ -445,5 +445,5 @@ fn ogre_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], planes: [
     let row = eye.distance_row();
     let nearest = points.iter().map(|point| row.dot(point.extend(1.0))).fold(f64::INFINITY, f64::min);
     let cosine = eye.axis().dot(frame.rotation * DVec3::NEG_Z).abs();
-    ogre_warp(nearest, planes, ADJUST, cosine)
+    ogre_warp(nearest, planes, ADJUST, ogre_tweak(cosine, OGRE_THRESHOLD))
 }

@@ -1,0 +1,138 @@
+//! The bodies that OGRE's focused setups fit, against ours of the same planes.
+
+use glam::{DVec3, DVec4};
+use shadow_math::polytope::Polytope;
+
+use crate::data::{Case, cases, clipped, size, support_difference};
+
+/// What OGRE's bodies lose to single precision and to clipping edge by edge, as a share of their size.
+const TOLERANCE: f64 = 1e-4;
+
+/// The same where the camera sees a hundred kilometres: a plane through points so far away is off by some steps of single precision, which clipping magnifies.
+const TOLERANCE_AT_100_KM: f64 = 1e-3;
+
+/// How near to a plane a point counts as on it, as a share of the points' size: some roundings of double precision, for ours are without others.
+const ON_PLANE: f64 = 1e-9;
+
+pub(crate) fn is_focused(case: &Case) -> bool {
+    matches!(case.setup.as_str(), "focused" | "lispsm" | "pssm")
+}
+
+fn is_directional(case: &Case) -> bool {
+    case.light.kind == "directional"
+}
+
+/// The body of what the camera sees.
+fn view(case: &Case) -> Polytope {
+    Polytope::from_frustum(&case.frustum())
+}
+
+/// The planes of a parallel light's body besides the camera's: the receivers' box, where there are any, and shadows' far distance.
+fn directional_body(case: &Case) -> Polytope {
+    let mut body = view(case);
+    // OGRE does not clip by an empty box.
+    if !case.receivers().is_empty() {
+        body.clip_to_bounds(case.receivers());
+    }
+    let far = f64::from(case.light.shadow_far_distance);
+    if far > 0.0 {
+        let camera = case.camera();
+        let axis = camera.direction();
+        body.clip((-axis).extend(axis.dot(camera.eye) + far));
+    }
+    body
+}
+
+/// A body and its copy toward the light: by the far distance, or 3000 near distances without one.
+fn extruded(case: &Case, body: &Polytope) -> Vec<DVec3> {
+    let far = f64::from(case.light.shadow_far_distance);
+    let by = if far > 0.0 { far } else { 3000.0 * case.planes()[0] };
+    body.vertices().iter().flat_map(|&point| [point, point - case.direction_for_ogre() * by]).collect()
+}
+
+/// The planes of the hull of some points, from all triples that have the others on one side.
+fn hull_planes(points: &[DVec3]) -> Vec<DVec4> {
+    let tolerance = ON_PLANE * size(points);
+    let mut planes: Vec<DVec4> = Vec::new();
+    for (i, a) in points.iter().enumerate() {
+        for (j, b) in points.iter().enumerate().skip(i + 1) {
+            for c in &points[j + 1..] {
+                let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+                for plane in [normal.extend(-normal.dot(*a)), (-normal).extend(normal.dot(*a))] {
+                    let holds = |point: &DVec3| plane.dot(point.extend(1.0)) > -tolerance;
+                    let is_new = planes.iter().all(|known| known.truncate().distance(plane.truncate()) > 1e-6);
+                    if is_new && points.iter().all(holds) {
+                        planes.push(plane);
+                    }
+                }
+            }
+        }
+    }
+    planes
+}
+
+/// The body of a light at a place: what is seen, and of OGRE's choice only what is in the scene, with the light in one hull, within the scene and the light's frustum.
+fn body_of_light_at_a_place(case: &Case) -> Polytope {
+    let mut body = view(case);
+    if case.params.use_aggressive_region != Some(false) {
+        body.clip_to_bounds(case.merged());
+    }
+    let mut points = body.vertices().to_vec();
+    points.push(case.light_point().truncate());
+    let within = clipped(Polytope::from_bounds(case.merged()), &case.clip_planes());
+    clipped(within, &hull_planes(&points))
+}
+
+fn tolerance(case: &Case, ogre: &[DVec3]) -> f64 {
+    let share = if case.id.starts_with("pssm_ctor_") { TOLERANCE_AT_100_KM } else { TOLERANCE };
+    share * size(ogre)
+}
+
+fn assert_same(case: &Case, what: &str, ours: &[DVec3], ogre: &[DVec3]) {
+    let (difference, most) = (support_difference(ours, ogre), tolerance(case, ogre));
+    assert!(difference <= most, "{}'s {what}: {difference} m is more than {most}", case.id);
+}
+
+#[test]
+fn bodies_of_directional_lights_are_ogres() {
+    let mut empty = 0;
+    for case in cases(40, |case| is_focused(case) && is_directional(case)) {
+        let (ours, ogre) = (directional_body(case), case.body_b());
+        empty += usize::from(ogre.is_empty());
+        assert_same(case, "body", &extruded(case, &ours), &ogre);
+    }
+    assert_eq!(empty, 1, "shadows that end before the scene have an empty body, all others have one");
+}
+
+#[test]
+fn bodies_of_lights_at_a_place_are_ogres() {
+    for case in cases(10, |case| is_focused(case) && !is_directional(case)) {
+        assert!(!case.clip_planes().is_empty(), "{}", case.id);
+        assert_same(case, "body", body_of_light_at_a_place(case).vertices(), &case.body_b());
+    }
+}
+
+/// What both light and camera see of the scene; for parallel light, what the camera does.
+#[test]
+fn what_is_seen_is_ogres() {
+    let mut nearest_points = 0;
+    // The setup gives up before it asks where its body is empty.
+    for case in cases(49, |case| is_focused(case) && case.id != "foc_dir_far10") {
+        let mut ours = clipped(view(case), &case.clip_planes());
+        ours.clip_to_bounds(case.merged());
+        let ogre = case.body_lvs();
+        // An empty scene is the camera's place, which the camera does not see.
+        if case.has_tag("quirk_null_boxes") {
+            assert!(ours.is_empty() && ogre.is_empty());
+            continue;
+        }
+        assert_same(case, "visible part", ours.vertices(), &ogre);
+        // The point nearest to the camera is one of them, as near as any.
+        let row = case.eye().distance_row();
+        let distance = |point: &DVec3| row.dot(point.extend(1.0));
+        let nearest = ours.vertices().iter().map(distance).fold(f64::INFINITY, f64::min);
+        assert!((distance(&case.nearest()) - nearest).abs() < tolerance(case, &ogre), "{}", case.id);
+        nearest_points += 1;
+    }
+    assert_eq!(nearest_points, 48);
+}
