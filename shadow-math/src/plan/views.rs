@@ -10,9 +10,9 @@ use super::{
 use crate::{
     filter::guard_texels,
     fit::{
-        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OGRE_THRESHOLD, OgreSetup, Subject, ViewFit,
-        boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp, optimal_warp, plane_depth_factor, plane_optimal,
-        stabilised_view, visible_body, visible_range,
+        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OGRE_THRESHOLD, OgreSetup, Subject,
+        ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp, optimal_warp,
+        plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     settings::{Cascades, Fit, FitFrom, MAX_CASCADES, MIN_MAP_SIZE, Selection, ShadowSettings, Split, SplitScheme, Store},

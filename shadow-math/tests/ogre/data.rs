@@ -14,7 +14,7 @@ type Matrix = [[f32; 4]; 4];
 #[derive(Debug, Deserialize)]
 pub(crate) struct File {
     pub(crate) split_tables: Vec<SplitTable>,
-    cases: Vec<Case>,
+    pub(crate) cases: Vec<Case>,
 }
 
 /// What OGRE's `calculateSplitPoints` gives.
@@ -308,7 +308,8 @@ impl Case {
     /// Points of the camera's frustum, and of the casters' and receivers' boxes: corners, and what lies between them.
     pub(crate) fn sample_points(&self) -> Vec<DVec3> {
         let boxes = [self.casters(), self.receivers()].into_iter().filter(|bounds| !bounds.is_empty());
-        let mut points: Vec<_> = boxes.flat_map(|bounds| inner_points(bounds.corners().map(|corner| corner.as_dvec3()))).collect();
+        let mut points: Vec<_> =
+            boxes.flat_map(|bounds| inner_points(bounds.corners().map(|corner| corner.as_dvec3()))).collect();
         points.extend(inner_points(self.frustum().corners));
         points
     }
@@ -348,9 +349,8 @@ pub(crate) fn support_difference(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// The diagonal of the box around some points, in metres.
 pub(crate) fn size(points: &[DVec3]) -> f64 {
-    let [min, max] = points
-        .iter()
-        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], point| [min.min(*point), max.max(*point)]);
+    let [min, max] =
+        points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], point| [min.min(*point), max.max(*point)]);
     (max - min).length()
 }
 

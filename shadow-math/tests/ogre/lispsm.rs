@@ -170,7 +170,8 @@ fn our_view(case: &Case) -> ViewFit {
 /// For a light at a place it is another one: OGRE's image is four to three, and takes metres of the world for units of the image.
 #[test]
 fn the_renderers_warp_is_ogres_for_parallel_light() {
-    for case in cases(29, |case| is_stable(case) && is_warped(case) && case.light.kind == "directional" && parameter(case) > 0.0) {
+    for case in cases(29, |case| is_stable(case) && is_warped(case) && case.light.kind == "directional" && parameter(case) > 0.0)
+    {
         let (ours, ogre) = (our_view(case).clip_from_world(), case.clip_from_world());
         for point in case.body_b() {
             let at = |matrix| ndc(matrix, point).expect("the body lies before the light");
