@@ -110,7 +110,6 @@ const SLICE_MARGIN: f64 = 1e-6;
 #[must_use]
 pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, frame: &LightFrame) -> Polytope {
     let casters = subject.caster_bounds();
-    // Nothing has no shadow, and an empty box has no planes to clip by.
     if casters.is_empty() {
         return Polytope::EMPTY;
     }

@@ -169,8 +169,13 @@ fn an_empty_scene_is_nothing() {
         assert_eq!(visible_range(&eye, Aabb::EMPTY, f64::INFINITY), None);
         let LightKind::Directional { direction } = case.light().kind else { unreachable!("the case has parallel light") };
         let frame = LightFrame::parallel(direction);
-        let body = visible_body(&eye, case.planes(), &Subject::unseen(&[], Aabb::EMPTY), &frame);
+        let body_of = |casters, bounds| visible_body(&eye, case.planes(), &Subject::unseen(casters, bounds), &frame);
+        let body = body_of(&[], Aabb::EMPTY);
         assert!(body.is_empty(), "{:?}", body.vertices());
+        // Nor is there anything where nothing is drawn, or where nothing throws a shadow.
+        let scene = [Aabb::new(Vec3::new(-15.0, -1.0, -15.0), Vec3::new(15.0, 5.0, 15.0))];
+        assert!(body_of(&scene, Aabb::EMPTY).is_empty() && body_of(&[], scene[0]).is_empty());
+        assert!(!body_of(&scene, scene[0]).is_empty());
         let view = focused_view(&frame, body.vertices(), &[], 1024, 2);
         assert_eq!(view.outcome, FitOutcome::NothingVisible);
     }
