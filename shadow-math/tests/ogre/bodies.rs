@@ -8,9 +8,6 @@ use crate::data::{Case, cases, clipped, size, support_difference};
 /// What OGRE's bodies lose to single precision and to clipping edge by edge, as a share of their size.
 const TOLERANCE: f64 = 1e-4;
 
-/// The same where the camera sees a hundred kilometres: a plane through points so far away is off by some steps of single precision, which clipping magnifies.
-const TOLERANCE_AT_100_KM: f64 = 1e-3;
-
 /// How near to a plane a point counts as on it, as a share of the points' size: some roundings of double precision, for ours are without others.
 const ON_PLANE: f64 = 1e-9;
 
@@ -83,13 +80,12 @@ fn body_of_light_at_a_place(case: &Case) -> Polytope {
     clipped(within, &hull_planes(&points))
 }
 
-fn tolerance(case: &Case, ogre: &[DVec3]) -> f64 {
-    let share = if case.id.starts_with("pssm_ctor_") { TOLERANCE_AT_100_KM } else { TOLERANCE };
-    share * size(ogre)
+fn tolerance(ogre: &[DVec3]) -> f64 {
+    TOLERANCE * size(ogre)
 }
 
 fn assert_same(case: &Case, what: &str, ours: &[DVec3], ogre: &[DVec3]) {
-    let (difference, most) = (support_difference(ours, ogre), tolerance(case, ogre));
+    let (difference, most) = (support_difference(ours, ogre), tolerance(ogre));
     assert!(difference <= most, "{}'s {what}: {difference} m is more than {most}", case.id);
 }
 
@@ -139,7 +135,7 @@ fn what_is_seen_is_ogres() {
         let row = case.eye().distance_row();
         let distance = |point: &DVec3| row.dot(point.extend(1.0));
         let nearest = ours.vertices().iter().map(distance).fold(f64::INFINITY, f64::min);
-        assert!((distance(&case.nearest()) - nearest).abs() < tolerance(case, &ogre), "{}", case.id);
+        assert!((distance(&case.nearest()) - nearest).abs() < tolerance(&ogre), "{}", case.id);
         with_nearest += 1;
     }
     assert_eq!(with_nearest, 47);
