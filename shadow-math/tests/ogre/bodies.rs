@@ -1,15 +1,12 @@
 //! The bodies that OGRE's focused setups fit, against ours of the same planes.
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 use shadow_math::polytope::Polytope;
 
 use crate::data::{Case, cases, clipped, size, support_difference};
 
 /// What OGRE's bodies lose to single precision and to clipping edge by edge, as a share of their size.
 const TOLERANCE: f64 = 1e-4;
-
-/// How near to a plane a point counts as on it, as a share of the points' size: some roundings of double precision, for ours are without others.
-const ON_PLANE: f64 = 1e-9;
 
 pub(crate) fn is_focused(case: &Case) -> bool {
     matches!(case.setup.as_str(), "focused" | "lispsm" | "pssm")
@@ -47,37 +44,11 @@ fn extruded(case: &Case, body: &Polytope) -> Vec<DVec3> {
     body.vertices().iter().flat_map(|&point| [point, point - case.direction_for_ogre() * by]).collect()
 }
 
-/// The planes of the hull of some points, from all triples that have the others on one side.
-fn hull_planes(points: &[DVec3]) -> Vec<DVec4> {
-    let tolerance = ON_PLANE * size(points);
-    let mut planes: Vec<DVec4> = Vec::new();
-    for (i, a) in points.iter().enumerate() {
-        for (j, b) in points.iter().enumerate().skip(i + 1) {
-            for c in &points[j + 1..] {
-                let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-                for plane in [normal.extend(-normal.dot(*a)), (-normal).extend(normal.dot(*a))] {
-                    let holds = |point: &DVec3| plane.dot(point.extend(1.0)) > -tolerance;
-                    let is_new = planes.iter().all(|known| known.truncate().distance(plane.truncate()) > 1e-6);
-                    if is_new && points.iter().all(holds) {
-                        planes.push(plane);
-                    }
-                }
-            }
-        }
-    }
-    planes
-}
-
-/// The body of a light at a place: what is seen, and of OGRE's choice only what is in the scene, with the light in one hull, within the scene and the light's frustum.
-fn body_of_light_at_a_place(case: &Case) -> Polytope {
-    let mut body = view(case);
-    if case.params.use_aggressive_region != Some(false) {
-        body.clip_to_bounds(case.merged());
-    }
-    let mut points = body.vertices().to_vec();
-    points.push(case.light_point().truncate());
-    let within = clipped(Polytope::from_bounds(case.merged()), &case.clip_planes());
-    clipped(within, &hull_planes(&points))
+/// What both a light at a place and the camera see of the scene; for parallel light, what the camera does.
+fn seen_body(case: &Case) -> Polytope {
+    let mut body = clipped(view(case), &case.clip_planes());
+    body.clip_to_bounds(case.merged());
+    body
 }
 
 fn tolerance(ogre: &[DVec3]) -> f64 {
@@ -102,13 +73,14 @@ fn bodies_of_directional_lights_are_ogres() {
     assert_eq!(empty, ["foc_dir_far10"], "where shadows end before the scene there is no body");
 }
 
+/// OGRE takes the hull of what is seen and the light, and cuts it by the scene and the light's frustum. In none of its cases does the hull add anything: what is left is what both see.
 #[test]
 fn bodies_of_lights_at_a_place_are_ogres() {
     let mut empty = Vec::new();
     for case in cases(10, |case| is_focused(case) && !is_directional(case)) {
         let ogre = case.body_b();
         assert_eq!(case.clip_planes().len(), 6, "{}", case.id);
-        assert_same(case, "body", body_of_light_at_a_place(case).vertices(), &ogre);
+        assert_same(case, "body", seen_body(case).vertices(), &ogre);
         if ogre.is_empty() {
             empty.push(&case.id);
         }
@@ -116,14 +88,13 @@ fn bodies_of_lights_at_a_place_are_ogres() {
     assert_eq!(empty, ["foc_spot_behind"], "where the light shines away from the scene there is no body");
 }
 
-/// What both light and camera see of the scene; for parallel light, what the camera does.
+/// The part of the scene that is seen, and its point nearest to the camera.
 #[test]
 fn what_is_seen_is_ogres() {
     let mut with_nearest = 0;
     // OGRE gives up before it asks where its body is empty.
     for case in cases(48, |case| is_focused(case) && !case.body_b().is_empty()) {
-        let mut ours = clipped(view(case), &case.clip_planes());
-        ours.clip_to_bounds(case.merged());
+        let ours = seen_body(case);
         let ogre = case.body_lvs();
         // An empty scene is the camera's place, which the camera does not see.
         if case.has_tag("quirk_null_boxes") {

@@ -46,7 +46,6 @@ pub(crate) struct Case {
 pub(crate) struct Params {
     pub(crate) optimal_adjust_factor: Option<f32>,
     pub(crate) use_simple_n_opt: Option<bool>,
-    pub(crate) use_aggressive_region: Option<bool>,
     #[serde(rename = "camera_light_direction_threshold_deg_effective")]
     threshold_degrees: Option<f32>,
     plane: Option<[f32; 4]>,

@@ -5,8 +5,8 @@ use shadow_math::{
     Light, LightKind,
     bounds::Aabb,
     fit::{
-        Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreLightSpace, Subject, focused_view, ogre_frame, optimal_warp,
-        visible_body, visible_range,
+        Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreLightSpace, Subject, focused_view, ogre_frame,
+        ogre_standard_matrix, optimal_warp, visible_body, visible_range,
     },
 };
 
@@ -107,7 +107,7 @@ fn a_light_along_the_view_has_no_direction() {
             let light = nudged(case, steps);
             let frame = ogre_frame(&light, &case.camera(), &setup(case));
             assert_eq!(optimal_warp(&frame, &case.eye(), &case.body_b()), Err(FallBack::LightAlongView), "{steps}");
-            let standard = shadow_math::fit::ogre_standard_matrix(&light, &case.camera(), &setup(case), case.light_planes());
+            let standard = ogre_standard_matrix(&light, &case.camera(), &setup(case), case.light_planes());
             assert_eq!(OgreLightSpace::new(standard, &case.camera(), case.nearest()), Err(FallBack::LightAlongView), "{steps}");
         }
     }
@@ -127,6 +127,12 @@ fn light_across_the_view_has_the_limit_of_the_parameters() {
         let ours = general_warp(case);
         // Between the near point, 0.5 m away, and 30 m behind it: 0.5 + sqrt(0.5 * 30.5). OGRE's own places are off by millionths.
         assert!((ours - (0.5 + 15.25_f64.sqrt())).abs() < 1e-4, "{ours}");
+        // Exactly across, where plane and line have no point in common or all.
+        let across = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, ..case.light() };
+        let exact = ogre_standard_matrix(&across, &case.camera(), &setup(case), case.light_planes());
+        let space = OgreLightSpace::new(exact, &case.camera(), case.nearest()).expect("the light shines across the view");
+        let exact = space.general_warp(&case.body_b(), case.planes()[0], case.adjust_factor(), tweak(case));
+        assert!((exact - ours).abs() < 1e-6, "{exact} is but a step of single precision away from {ours}");
         // And it is what lights nearby have.
         let body = case.body_b();
         for angle in [1e-3_f64, -1e-3, 1e-6, -1e-6] {
