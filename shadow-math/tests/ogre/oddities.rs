@@ -1,8 +1,8 @@
 //! Where OGRE is wrong: each property that its matrices lack, and ours have.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
 use shadow_math::{
-    Light, LightKind,
+    Camera, Light, LightKind,
     bounds::Aabb,
     fit::{
         Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreLightSpace, Subject, focused_view, ogre_frame,
@@ -127,16 +127,16 @@ fn light_across_the_view_has_the_limit_of_the_parameters() {
         let ours = general_warp(case);
         // Between the near point, 0.5 m away, and 30 m behind it: 0.5 + sqrt(0.5 * 30.5). OGRE's own places are off by millionths.
         assert!((ours - (0.5 + 15.25_f64.sqrt())).abs() < 1e-4, "{ours}");
-        // Exactly across, where plane and line have no point in common or all.
-        let across = Light { kind: LightKind::Directional { direction: Vec3::NEG_Y }, ..case.light() };
-        let exact = ogre_standard_matrix(&across, &case.camera(), &setup(case), case.light_planes());
-        let space = OgreLightSpace::new(exact, &case.camera(), case.nearest()).expect("the light shines across the view");
+        // Exactly across, where plane and line have no point in common or all: light along -y, and a camera along -z.
+        let exact = DMat4::from_cols(DVec4::X, DVec4::NEG_Z, DVec4::NEG_Y, DVec4::W);
+        let camera = Camera { orientation: DQuat::IDENTITY, ..case.camera() };
+        let space = OgreLightSpace::new(exact, &camera, case.nearest()).expect("the light shines across the view");
         let exact = space.general_warp(&case.body_b(), case.planes()[0], case.adjust_factor(), tweak(case));
         assert!((exact - ours).abs() < 1e-6, "{exact} is but a step of single precision away from {ours}");
         // And it is what lights nearby have.
         let body = case.body_b();
         for angle in [1e-3_f64, -1e-3, 1e-6, -1e-6] {
-            let turned = glam::DMat4::from_rotation_x(angle) * standard(case);
+            let turned = DMat4::from_rotation_x(angle) * standard(case);
             let space = OgreLightSpace::new(turned, &case.camera(), case.nearest()).expect("the light shines across the view");
             let nearby = space.general_warp(&body, case.planes()[0], case.adjust_factor(), tweak(case));
             // The body's extent along the view grows by its height, 62 m, times the angle, and the parameter by a part of that.
