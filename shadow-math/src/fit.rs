@@ -31,7 +31,9 @@ pub use depth_range::{
 };
 pub use frame::{LightFrame, Window};
 pub use lispsm::{LispsmWarp, MAX_WARP_PARAMETER, lispsm_view, optimal_warp};
-pub use ogre::{OgreSetup, ogre_frame, ogre_uniform_view, ogre_warp};
+pub use ogre::{
+    OGRE_THRESHOLD, OgreLightSpace, OgreSetup, ogre_frame, ogre_standard_matrix, ogre_tweak, ogre_uniform_view, ogre_warp,
+};
 pub use outcome::{FallBack, FitOutcome};
 pub use plane_optimal::{PlaneOptimal, plane_depth_factor, plane_optimal};
 pub use stabilised::{CascadeSphere, stabilised_view};

@@ -109,14 +109,14 @@ const SLICE_MARGIN: f64 = 1e-6;
 /// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume and 5 of the light: fewer than a [`Polytope`] has room for.
 #[must_use]
 pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, frame: &LightFrame) -> Polytope {
+    let casters = subject.caster_bounds();
+    if casters.is_empty() {
+        return Polytope::EMPTY;
+    }
     let Ok(slice) = Frustum::slice(&eye.camera, eye.aspect, near.max(0.0), far) else { return Polytope::EMPTY };
     let mut body = Polytope::from_frustum(&slice);
-    let (min, max) = (subject.bounds.min.as_dvec3(), subject.bounds.max.as_dvec3());
-    for axis in DVec3::AXES {
-        body.clip(axis.extend(-axis.dot(min)));
-        body.clip((-axis).extend(axis.dot(max)));
-    }
-    let (planes, count) = shadow_planes(subject.caster_bounds(), frame.light());
+    body.clip_to_bounds(subject.bounds);
+    let (planes, count) = shadow_planes(casters, frame.light());
     for plane in &planes[..count] {
         body.clip(*plane);
     }

@@ -71,7 +71,7 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 
 /// The view of the image of some points under a warp.
 ///
-/// `points` are those of a convex body in world space, before the light; `eye` is the camera's place; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
+/// `points` are those of a convex body in world space, before the light; `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
 /// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
 #[must_use]
 pub fn lispsm_view(

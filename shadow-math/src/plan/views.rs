@@ -10,9 +10,9 @@ use super::{
 use crate::{
     filter::guard_texels,
     fit::{
-        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreSetup, Subject, ViewFit,
-        boxed_view, focused_view, lispsm_view, ogre_uniform_view, ogre_warp, optimal_warp, plane_depth_factor, plane_optimal,
-        stabilised_view, visible_body, visible_range,
+        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OGRE_THRESHOLD, OgreSetup, Subject,
+        ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp, optimal_warp,
+        plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     settings::{Cascades, Fit, FitFrom, MAX_CASCADES, MIN_MAP_SIZE, Selection, ShadowSettings, Split, SplitScheme, Store},
@@ -294,14 +294,14 @@ impl Fitting<'_> {
             Fit::Lispsm | Fit::OgreLispsm => {
                 let optimal = optimal_warp(frame, eye, points);
                 optimal.map(|warp| {
-                    let parameter = if fit == Fit::OgreLispsm {
-                        ogre_parameter(frame, eye, points, ogre_planes)
+                    let (axis, parameter) = if fit == Fit::OgreLispsm {
+                        ogre_axis_and_parameter(frame, eye, points, ogre_planes)
                     } else if lispsm_factor == 0.0 {
-                        f64::INFINITY
+                        (eye.camera.eye, f64::INFINITY)
                     } else {
-                        warp.parameter * lispsm_factor
+                        (eye.camera.eye, warp.parameter * lispsm_factor)
                     };
-                    lispsm_view(frame, eye.camera.eye, LispsmWarp { parameter, ..warp }, points, casters, size, self.guard)
+                    lispsm_view(frame, axis, LispsmWarp { parameter, ..warp }, points, casters, size, self.guard)
                 })
             }
             _ => Ok(boxed_view(frame, points, casters, size, self.guard)),
@@ -453,12 +453,14 @@ const HISTOGRAM_BINS: usize = 256;
 /// The least distance at which the first cascade begins, as a share of where the last one ends.
 const MIN_NEAR_OF_SPLIT: f64 = 1e-6;
 
-/// The warp parameter that OGRE takes by itself.
-fn ogre_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], planes: [f64; 2]) -> f64 {
+/// The point that the axis of OGRE's perspective goes through, which is the visible one nearest to the camera, and the parameter that OGRE takes by itself.
+fn ogre_axis_and_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], planes: [f64; 2]) -> (DVec3, f64) {
     /// OGRE's adjustment by default.
     const ADJUST: f64 = 0.1;
     let row = eye.distance_row();
-    let nearest = points.iter().map(|point| row.dot(point.extend(1.0))).fold(f64::INFINITY, f64::min);
+    let distances = points.iter().map(|&point| (point, row.dot(point.extend(1.0))));
+    let start = (eye.camera.eye, f64::INFINITY);
+    let (point, distance) = distances.fold(start, |nearest, this| if this.1 < nearest.1 { this } else { nearest });
     let cosine = eye.axis().dot(frame.rotation * DVec3::NEG_Z).abs();
-    ogre_warp(nearest, planes, ADJUST, cosine)
+    (point, ogre_warp(distance, planes, ADJUST, ogre_tweak(cosine, OGRE_THRESHOLD)))
 }
