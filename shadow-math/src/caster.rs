@@ -35,7 +35,7 @@ pub const MAX_CASTER_SLOPE: f32 = 1e30;
 pub fn texel_ray(view: &ViewPlan, x: f32, y: f32) -> Ray {
     let mut ray = pixel_ray(&view.rays, x, y);
     if view.is_warped != 0 && view.w_per_metre == 0.0 {
-        ray.origin = ray.origin / (view.rays.origin[3] + view.rays.origin_dx[3] * x + view.rays.origin_dy[3] * y);
+        ray.origin /= view.rays.origin[3] + view.rays.origin_dx[3] * x + view.rays.origin_dy[3] * y;
     }
     ray
 }

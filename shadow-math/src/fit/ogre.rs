@@ -5,7 +5,10 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-use super::{LightFrame, Subject, ViewFit, Window, boxed::rectangle_view};
+use super::{
+    LightFrame, Subject, ViewFit, Window,
+    boxed::{Content, rectangle_view},
+};
 use crate::{
     camera::Camera,
     light::{Light, LightKind},
@@ -89,7 +92,7 @@ pub fn ogre_uniform_view(light: &Light, camera: &Camera, setup: &OgreSetup, subj
         let half = DVec2::splat(setup.far_distance);
         Window { min: snapped - half, max: snapped + half }
     };
-    rectangle_view(&frame, image, &corners, subject.casters, size, 0)
+    rectangle_view(&frame, image, &Content::new(&corners, subject.casters), size, 0)
 }
 
 /// The parameter of OGRE's LiSPSM in its simple form: `(|z_e| + sqrt(n f)) a t`.
