@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
-use super::{LightFrame, MIN_NEAR_SHARE};
+use super::{LightFrame, MIN_NEAR_SHARE, depth_range::touching_distance};
 use crate::{
     bounds::Aabb,
     camera::{Camera, Projection},
@@ -149,9 +149,9 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
         if frame.limit.is_finite() {
             body.clip(z + DVec4::W * frame.limit);
         }
-        // The near rule goes by what is left: casters that it drops must not be missed by receivers that it keeps.
-        let farthest = farthest_of(&body, frame);
-        if !(farthest > 0.0) {
+        // The near rule goes by what is left and by the casters: those that it drops must not be missed by receivers that it keeps.
+        let farthest = farthest_of(&body, frame).min(farthest_of(&Polytope::from_bounds(casters), frame));
+        if !(farthest > touching_distance(frame.eye.length().max(f64::from(subject.bounds.abs_max().length())))) {
             return Polytope::EMPTY;
         }
         body.clip(-z - DVec4::W * (MIN_NEAR_SHARE * farthest));

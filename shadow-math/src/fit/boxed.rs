@@ -3,7 +3,9 @@
 use glam::{DMat4, DVec2, DVec3, dcamera::rh};
 
 use super::{
-    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, ViewFit, Window, guard_scale, heights_of_casters, range_in_view,
+    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, ViewFit, Window,
+    depth_range::touching_distance,
+    guard_scale, heights_of_casters, range_in_view,
     uniform::{MIN_EXTENT_SHARE, MIN_RADIUS},
 };
 use crate::{
@@ -114,7 +116,8 @@ fn perspective_rectangle(
     casters: &[Aabb],
     size: u32,
 ) -> ViewFit {
-    let limit = if farthest > 0.0 && farthest.is_finite() { frame.limit.min(farthest) } else { frame.limit };
+    let is_before = farthest > touching_distance(frame.eye.length()) && farthest.is_finite();
+    let limit = if is_before { frame.limit.min(farthest) } else { frame.limit };
     let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
     let range = range_in_view(world_from_view, image, casters, limit);
     let Window { min, max } = image;

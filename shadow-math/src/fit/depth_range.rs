@@ -20,6 +20,16 @@ pub const MIN_NEAR_SHARE: f64 = 1.0 / 1024.0;
 /// By what share of itself a range is widened at either end, so that no caster is clipped by the rounding of its depth.
 pub const RANGE_MARGIN: f64 = 1.0 / 1024.0;
 
+/// What lies before a light by less than this share of the coordinates is there by rounding: a light that touches a box sees nothing of the side that it touches.
+///
+/// Coordinates turned into a light's view are off by some ten times 2^-53 of their size, and the corners of cut bodies by 2^-42 ([`Polytope::clip`]).
+const TOUCHING: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// The distance up to which something counts as touching a light, where positions have coordinates up to `largest` metres.
+pub(super) fn touching_distance(largest: f64) -> f64 {
+    TOUCHING * largest
+}
+
 /// The distances of the near and far planes from the eye along the view axis, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthRange {
@@ -50,13 +60,15 @@ pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], li
     let Window { min, max } = image;
     let sides =
         [DVec3::new(1.0, 0.0, min.x), DVec3::new(-1.0, 0.0, -max.x), DVec3::new(0.0, 1.0, min.y), DVec3::new(0.0, -1.0, -max.y)];
+    let position = world_from_view.w_axis.truncate().length();
     let mut near = f64::INFINITY;
     let mut far = 0.0_f64;
     for caster in casters.iter().filter(|caster| !caster.is_empty()) {
         let turned = TurnedBox::of(*caster, view_from_world);
         let [nearest, farthest] = turned.extent_along(DVec3::NEG_Z);
+        let touching = touching_distance(position + turned.center.length());
         // What changes nothing need not be cut.
-        if farthest <= 0.0 || nearest.max(0.0) >= near && farthest <= far {
+        if farthest <= touching || nearest.max(0.0) >= near && farthest <= far {
             continue;
         }
         let ranges = sides.map(|side| turned.extent_along(side));
@@ -72,9 +84,10 @@ pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], li
         for side in sides {
             seen.clip(side.extend(0.0));
         }
-        for point in seen.vertices() {
-            near = near.min((-point.z).max(0.0));
-            far = far.max(-point.z);
+        let (nearest, farthest) = seen.extent_along(DVec3::NEG_Z);
+        if farthest > touching {
+            near = near.min(nearest.max(0.0));
+            far = far.max(farthest);
         }
     }
     widened(near, far, limit)

@@ -91,14 +91,12 @@ pub(super) fn plan_views(
             let covered = fitting.covered_range(&cascades)?;
             let ends = fitting.cascade_ends(&cascades, covered)?;
             fitting.set_selection(plan, &cascades, &ends);
-            let mut before = None;
+            let mut asked = Asked { range: covered, ..Asked::default() };
             for (cascade, view) in views.iter_mut().enumerate() {
                 let size = fitting.map_size_of(&cascades, cascade)?;
                 fitting.check_size(size)?;
                 let slice = fitting.padded_slice(plan, &cascades, &ends, covered, cascade)?;
-                let fit = fitting.cascade(&cascades, cascade, slice, Asked { range: covered, before }, size)?;
-                write(view, &fit);
-                before = Some(fit);
+                write(view, &fitting.cascade(&cascades, cascade, slice, &mut asked, size)?);
             }
         }
         _ => {
@@ -188,6 +186,8 @@ struct Asked {
     range: Option<[f64; 2]>,
     /// The map before it, of which any receiver may ask that is in it: where the two are blended.
     before: Option<ViewFit>,
+    /// What that has between its guard bands, as a sphere before the camera: of stabilised cascades.
+    sphere: Option<CascadeSphere>,
 }
 
 /// Where cascades begin and end, in metres from the camera along its axis: one number more than there are cascades.
@@ -466,13 +466,13 @@ impl Fitting<'_> {
         }
     }
 
-    /// One cascade.
+    /// One cascade. `asked` says who asks it, and is told of it.
     fn cascade(
         &self,
         cascades: &Cascades,
         cascade: usize,
         slice: [f64; 2],
-        asked: Asked,
+        asked: &mut Asked,
         size: u32,
     ) -> Result<ViewFit, PlanError> {
         let frame = self.frame(None);
@@ -481,20 +481,30 @@ impl Fitting<'_> {
             if !size.is_power_of_two() {
                 return Err(PlanError::StabilisedMapSize(size));
             }
-            let sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
-            return Ok(stabilised_view(&frame, eye, sphere, self.subject, size, self.guard));
+            let mut sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
+            if let (Selection::Containment, Some(before)) = (cascades.selection, asked.sphere.filter(|_| cascades.blend > 0.0)) {
+                let around = (sphere.distance - before.distance).abs() + before.radius;
+                sphere.radius = sphere.radius.max(around);
+            }
+            let view = stabilised_view(&frame, eye, sphere, self.subject, size, self.guard);
+            let half = 0.5 * view.texel_metres[0] * (f64::from(size) - 2.0 * f64::from(self.guard));
+            // Half a texel to each side by which the middle is moved, and one for the guard band that receivers are told to keep to.
+            asked.sphere = Some(CascadeSphere { radius: half + 1.5 * view.texel_metres[0], ..sphere });
+            return Ok(view);
         }
         let fit = cascades.fits[cascade].unwrap_or(self.settings.fit);
         let factor = f64::from(cascades.lispsm_factors[cascade]);
-        let asked = match cascades.selection {
+        let asking = match cascades.selection {
             Selection::Depth => Asked::default(),
-            Selection::Containment if cascades.blend > 0.0 => asked,
-            Selection::Containment => Asked { before: None, ..asked },
+            Selection::Containment if cascades.blend > 0.0 => *asked,
+            Selection::Containment => Asked { before: None, ..*asked },
         };
-        let slice = Slice { range: slice, asked, size, lispsm_factor: factor, ogre_planes: slice };
+        let slice = Slice { range: slice, asked: asking, size, lispsm_factor: factor, ogre_planes: slice };
         let boxed =
             || self.of_slice(Fit::Uniform, &frame, slice, || boxed_view(&frame, &Content::new(&[], &[]), size, self.guard));
-        Ok(self.of_slice(fit, &frame, slice, boxed))
+        let view = self.of_slice(fit, &frame, slice, boxed);
+        asked.before = Some(view);
+        Ok(view)
     }
 }
 
