@@ -25,8 +25,8 @@ use self::help::{
     RENDER_EXAMPLES, SETTINGS_HELP, SHOW_HELP, SHOW_LONG_HELP, TUNE_HELP,
 };
 pub(crate) use self::{
-    plan::PlanArgs,
     filter::{FilterList, FilterName},
+    plan::PlanArgs,
     probe::ProbeArgs,
     settings::{DEFAULT_ANGLE_DEGREES, SettingsArgs},
     shadow::{BiasArgs, LightSettings, ShadowArgs},

@@ -56,7 +56,13 @@ impl Canvas {
             Side { title: "from above", right: along.cross(DVec3::Y), down: -along },
             Side { title: "from the side", right: along, down: DVec3::NEG_Y },
         ];
-        Self { sides, center: bounds.center().as_dvec3(), scale: SIDE / (2.0 * radius * (1.0 + MARGIN)), id: id.into(), text: String::new() }
+        Self {
+            sides,
+            center: bounds.center().as_dvec3(),
+            scale: SIDE / (2.0 * radius * (1.0 + MARGIN)),
+            id: id.into(),
+            text: String::new(),
+        }
     }
 
     fn place(&self, side: usize, point: DVec3) -> DVec2 {

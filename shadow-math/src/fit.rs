@@ -23,8 +23,8 @@ mod plane_optimal;
 mod stabilised;
 mod uniform;
 
-pub use body::{Eye, Subject, visible_body, visible_range};
-pub use boxed::{boxed_view, focused_view};
+pub use body::{Eye, Subject, visible_body, visible_range, widened_by, widened_slice};
+pub use boxed::{Content, MAX_POINTS, boxed_view, focused_view};
 pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
 pub use depth_range::{
     DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, heights_of_casters, range_around_point, range_in_view,
@@ -94,6 +94,14 @@ impl ViewFit {
     #[must_use]
     pub fn clip_from_world(&self) -> DMat4 {
         self.clip_from_view * self.view_from_world
+    }
+
+    /// The four planes of the map's sides, as `(normal, offset)` with `dot(normal, point) + offset >= 0` inside.
+    #[must_use]
+    pub fn sides(&self) -> [DVec4; 4] {
+        let matrix = self.clip_from_world();
+        let [x, y, w] = [0, 1, 3].map(|row| matrix.row(row));
+        [w + x, w - x, w + y, w - y]
     }
 
     /// The row that takes points to their distance along the axis, in metres; 1 everywhere for parallel light.

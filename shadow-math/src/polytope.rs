@@ -69,8 +69,14 @@ impl Polytope {
         if bounds.is_empty() {
             return Self::EMPTY;
         }
+        Self::from_parallelepiped(bounds.corners().map(|corner| corner.as_dvec3()))
+    }
+
+    /// The body of a box whose axes lie anywhere: corners in the order of [`Aabb::corners`], finite.
+    #[must_use]
+    pub fn from_parallelepiped(corners: [DVec3; 8]) -> Self {
         let faces = |i: usize| 1 << (i & 1) | 4 << (i >> 1 & 1) | 16 << (i >> 2);
-        Self::from_corners(bounds.corners().map(|corner| corner.as_dvec3()), core::array::from_fn(faces))
+        Self::from_corners(corners, core::array::from_fn(faces))
     }
 
     /// The body of eight corners and the faces that each lies on; corners that coincide are made one, which lies on the faces of all.

@@ -27,6 +27,7 @@ use crate::{
     backend::{OpenBackend, Place, check_machine, has_sized_light},
     console::{Console, print, print_json, table},
     error::CliError,
+    light_drawing::light_drawing,
     memory::{self, Work},
     output::{make_folder, write_text},
     presets::Engine,

@@ -235,7 +235,8 @@ fn text(report: &Report<'_>) -> String {
         }
         for view in &light.views {
             if view.outcome == "nothing-visible" {
-                let mut row = vec![format!("{} {} `{}`", light.light, light.kind, light.name), format!("{} {}", view.view, view.name)];
+                let mut row =
+                    vec![format!("{} {} `{}`", light.light, light.kind, light.name), format!("{} {}", view.view, view.name)];
                 row.push("nothing is seen".into());
                 row.resize(rows[0].len(), String::new());
                 rows.push(row);

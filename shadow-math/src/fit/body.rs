@@ -2,12 +2,13 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
-use super::{LightFrame, MIN_NEAR_SHARE};
+use super::{LightFrame, MIN_NEAR_SHARE, depth_range::touching_distance};
 use crate::{
     bounds::Aabb,
     camera::{Camera, Projection},
     frustum::Frustum,
     polytope::{Polytope, shadow_planes},
+    rounding::UNIT_ROUNDOFF,
 };
 
 /// What there is to be shadowed, and who looks at it.
@@ -76,9 +77,13 @@ impl Eye<'_> {
 
 /// Between which distances from the camera, along its axis in metres, there is anything to be seen; `None` where there is nothing.
 ///
-/// `shadow_distance` is where shadows end, infinite for nowhere. The distances are those of the bounds' corners, of the samples if there are any, and of the camera's planes, whichever are narrower.
+/// `shadow_distance` is where shadows end, infinite for nowhere. The distances are those of the bounds' corners, of the samples if there are any, and of the camera's planes, whichever are narrower; widened by
+/// what rounding can do to them ([`widened_slice`]).
 #[must_use]
 pub fn visible_range(eye: &Eye<'_>, bounds: Aabb, shadow_distance: f64) -> Option<[f64; 2]> {
+    if bounds.is_empty() {
+        return None;
+    }
     let row = eye.distance_row();
     let [mut near, mut far] = eye.planes();
     far = far.min(shadow_distance);
@@ -93,15 +98,30 @@ pub fn visible_range(eye: &Eye<'_>, bounds: Aabb, shadow_distance: f64) -> Optio
         // A sample is a point of its pixel's surface, which goes on for half a pixel on each side.
         narrow(&mut eye.samples.iter().copied());
     }
-    // A surface that faces the camera has one distance alone.
-    let far = far.max(near);
-    let widest = if bounds.is_empty() { f64::NAN } else { far };
-    let widened = [near * (1.0 - SLICE_MARGIN), far * (1.0 + SLICE_MARGIN) + f64::MIN_POSITIVE];
-    (near <= widest && eye.planes()[0] <= widened[1]).then_some(widened)
+    // A surface that faces the camera has one distance alone: rounding gives it a second one.
+    let range = widened_slice(eye, bounds, [near, far]);
+    (range[0] < range[1]).then_some(range)
 }
 
-/// By what share of themselves a slice's distances are widened: single precision, in which receivers are measured, must not lead out of it.
+/// By what share of themselves a slice's distances are widened: distances are rounded to single precision, and so are the sums and products of a few of them.
 const SLICE_MARGIN: f64 = 1e-6;
+
+/// A slice of a camera's view, widened so that receivers within it stay within it in single precision, in which they measure their distances. The nearer distance is at least 0.
+///
+/// A distance is a row times a point: four products that may cancel, so that what they lose goes by how far the bounds and the camera are from the scene's origin, not by the distance.
+#[must_use]
+pub fn widened_slice(eye: &Eye<'_>, bounds: Aabb, slice: [f64; 2]) -> [f64; 2] {
+    widened_by(slice, eye.distance_row().abs().dot(bounds.abs_max().as_dvec3().extend(1.0)))
+}
+
+/// The same, where the products add up to no more than `largest` metres.
+#[must_use]
+pub fn widened_by([near, far]: [f64; 2], largest: f64) -> [f64; 2] {
+    /// The four roundings of the [row](crate::rounding), one of its numbers, one of the point's, and as many again to spare.
+    const ROUNDINGS: f64 = 12.0;
+    let margin = ROUNDINGS * UNIT_ROUNDOFF * largest;
+    [(near * (1.0 - SLICE_MARGIN) - margin).max(0.0), far * (1.0 + SLICE_MARGIN) + margin]
+}
 
 /// All points that the camera sees between two distances along its axis, in metres, that lie within the bounds, and that a caster can shadow: the slice of its frustum, cut by the planes of the bounds, of the shadow
 /// volume of all casters' bounds and of what the light reaches. Empty where that is nothing.
@@ -121,16 +141,20 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
         body.clip(*plane);
     }
     if frame.is_perspective {
-        let farthest = farthest_of(&body, frame);
         let view_from_world = frame.view_from_world();
         let [x, y, z] = [0, 1, 2].map(|row| view_from_world.row(row));
         for plane in [z * -frame.reach - x, z * -frame.reach + x, z * -frame.reach - y, z * -frame.reach + y] {
             body.clip(plane);
         }
-        body.clip(-z - DVec4::W * (MIN_NEAR_SHARE * farthest));
         if frame.limit.is_finite() {
             body.clip(z + DVec4::W * frame.limit);
         }
+        // The near rule goes by what is left and by the casters: those that it drops must not be missed by receivers that it keeps.
+        let farthest = farthest_of(&body, frame).min(farthest_of(&Polytope::from_bounds(casters), frame));
+        if !(farthest > touching_distance(frame.eye.length().max(f64::from(subject.bounds.abs_max().length())))) {
+            return Polytope::EMPTY;
+        }
+        body.clip(-z - DVec4::W * (MIN_NEAR_SHARE * farthest));
     }
     if !eye.samples.is_empty() {
         clip_to_samples(&mut body, eye, [near, far], frame);
@@ -151,6 +175,8 @@ fn clip_to_samples(body: &mut Polytope, eye: &Eye<'_>, [near, far]: [f64; 2], fr
     });
     let (row, view_from_world) = (eye.distance_row(), frame.view_from_world());
     let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; SAMPLE_DIRECTIONS];
+    // How far single precision, in which samples are given and receivers are computed again, moves one in the image.
+    let mut margin = 0.0_f64;
     for point in eye.samples {
         let point = point.as_dvec3();
         let distance = row.dot(point.extend(1.0));
@@ -160,6 +186,8 @@ fn clip_to_samples(body: &mut Polytope, eye: &Eye<'_>, [near, far]: [f64; 2], fr
             continue;
         }
         let image = frame.image(seen);
+        let metres = 2.0 * f64::from(f32::EPSILON) * point.length();
+        margin = margin.max(if frame.is_perspective { metres * (1.0 + image.length()) / -seen.z } else { metres });
         for (range, direction) in ranges.iter_mut().zip(&directions) {
             let at = direction.dot(image);
             *range = [range[0].min(at), range[1].max(at)];
@@ -173,15 +201,13 @@ fn clip_to_samples(body: &mut Polytope, eye: &Eye<'_>, [near, far]: [f64; 2], fr
             *body = Polytope::EMPTY;
             return;
         }
-        // Single precision, in which samples are given, and in which receivers are computed again.
-        let margin = f64::from(f32::EPSILON) * (least.abs().max(most.abs()));
         let along = x * direction.x + y * direction.y;
         body.clip(along - divisor * (least - margin));
         body.clip(divisor * (most + margin) - along);
     }
 }
 
-/// The greatest distance of a body's vertices along a light's axis, at most the light's limit.
+/// The greatest distance of a body's vertices along a light's axis, in metres, at most the light's limit.
 fn farthest_of(body: &Polytope, frame: &LightFrame) -> f64 {
     let row = -frame.view_from_world().row(2);
     body.vertices().iter().map(|vertex| row.dot(vertex.extend(1.0))).fold(0.0, f64::max).min(frame.limit)

@@ -3,7 +3,9 @@
 use glam::{DMat4, DVec2, DVec3, dcamera::rh};
 
 use super::{
-    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, ViewFit, Window, guard_scale, heights_of_casters, range_in_view,
+    DepthRange, FitOutcome, LightFrame, RANGE_MARGIN, ViewFit, Window,
+    depth_range::touching_distance,
+    guard_scale, heights_of_casters, range_in_view,
     uniform::{MIN_EXTENT_SHARE, MIN_RADIUS},
 };
 use crate::{
@@ -13,34 +15,60 @@ use crate::{
     rectangle::{convex_hull, smallest_rectangle},
 };
 
+/// The most points of a [`Content`]: the vertices of two bodies.
+pub const MAX_POINTS: usize = 2 * MAX_VERTICES;
+
+/// What a view is to show.
+#[derive(Clone, Copy, Debug)]
+pub struct Content<'a> {
+    /// The points of a convex body in world space, before the light: its image has to be in the map.
+    pub points: &'a [DVec3],
+    /// Points of a convex body as well, of which some may be looked up where the map happens to have them: their depths have to be in it. None for those above alone.
+    pub others: &'a [DVec3],
+    /// The bounds of what can cast a shadow.
+    pub casters: &'a [Aabb],
+}
+
+impl<'a> Content<'a> {
+    /// A body and the casters that can shadow it.
+    #[must_use]
+    pub const fn new(points: &'a [DVec3], casters: &'a [Aabb]) -> Self {
+        Self { points, others: &[], casters }
+    }
+
+    /// The least and the greatest height over a plane across a light's axis, toward the light and in metres, of what may be looked up; `[infinity, -infinity]` for nothing.
+    pub(super) fn heights(&self, view_from_world: DMat4) -> [f64; 2] {
+        let heights = self.points.iter().chain(self.others).map(|&point| view_from_world.transform_point3(point).z);
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[lowest, highest], z| [lowest.min(z), highest.max(z)])
+    }
+}
+
 /// The view of the smallest rectangle, with sides along the frame's axes, around the image of some points.
 ///
-/// `points` are those of a convex body in world space, before the light; `guard` texels of the `size` stay free on every side. Depth reaches from the nearest caster whose shadow can fall into the
-/// rectangle to the farthest of the points. No points give [`FitOutcome::NothingVisible`].
+/// `guard` texels of the `size` stay free on every side. Depth reaches from the nearest caster whose shadow can fall into the rectangle to the farthest of the points. No points give
+/// [`FitOutcome::NothingVisible`].
 #[must_use]
-pub fn boxed_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size: u32, guard: u32) -> ViewFit {
+pub fn boxed_view(frame: &LightFrame, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let view_from_world = frame.view_from_world();
-    let seen = points.iter().map(|&point| view_from_world.transform_point3(point));
+    let seen = content.points.iter().map(|&point| view_from_world.transform_point3(point));
     let Some(image) = Window::around(seen.map(|point| frame.image(point))) else {
         return nothing_visible(frame, size);
     };
-    rectangle_view(frame, image, points, casters, size, guard)
+    rectangle_view(frame, image, content, size, guard)
 }
 
 /// The view of the smallest rectangle, turned as need be, around the image of some points.
 ///
-/// As [`boxed_view`]; the rectangle's longer side lies along the image's x axis. At most [`MAX_VERTICES`] points count: no body has more vertices.
-///
-/// Source: one side of the smallest rectangle around a convex polygon lies along an edge of it (Freeman and Shapira 1975); focusing is Brabec, Annen and Seidel 2002, section 3.
+/// As [`boxed_view`]; the rectangle's longer side lies along the image's x axis. At most [`MAX_POINTS`] points count.
 #[must_use]
-pub fn focused_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size: u32, guard: u32) -> ViewFit {
+pub fn focused_view(frame: &LightFrame, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let view_from_world = frame.view_from_world();
-    let mut images = [DVec2::ZERO; MAX_VERTICES];
-    let count = points.len().min(MAX_VERTICES);
-    for (image, point) in images.iter_mut().zip(points) {
+    let mut images = [DVec2::ZERO; MAX_POINTS];
+    let count = content.points.len().min(MAX_POINTS);
+    for (image, point) in images.iter_mut().zip(content.points) {
         *image = frame.image(view_from_world.transform_point3(*point));
     }
-    let mut hull = [DVec2::ZERO; MAX_VERTICES];
+    let mut hull = [DVec2::ZERO; MAX_POINTS];
     let corners = convex_hull(&mut images[..count], &mut hull);
     if corners == 0 {
         return nothing_visible(frame, size);
@@ -48,32 +76,24 @@ pub fn focused_view(frame: &LightFrame, points: &[DVec3], casters: &[Aabb], size
     let rectangle = smallest_rectangle(&hull[..corners]);
     // The image's x axis is the y axis turned back by a quarter.
     let frame = frame.rolled(rectangle.axis.perp());
-    boxed_view(&frame, points, casters, size, guard)
+    boxed_view(&frame, content, size, guard)
 }
 
 /// A view of a frame in which nothing is seen.
 pub(super) fn nothing_visible(frame: &LightFrame, size: u32) -> ViewFit {
     let image = Window { min: DVec2::NEG_ONE, max: DVec2::ONE };
-    ViewFit { outcome: FitOutcome::NothingVisible, ..rectangle_view(frame, image, &[], &[], size, 0) }
+    ViewFit { outcome: FitOutcome::NothingVisible, ..rectangle_view(frame, image, &Content::new(&[], &[]), size, 0) }
 }
 
-/// The view of a rectangle of the image; depth reaches as far as the points.
-pub(super) fn rectangle_view(
-    frame: &LightFrame,
-    image: Window,
-    points: &[DVec3],
-    casters: &[Aabb],
-    size: u32,
-    guard: u32,
-) -> ViewFit {
+/// The view of a rectangle of the image; depth reaches as far as the content.
+pub(super) fn rectangle_view(frame: &LightFrame, image: Window, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let view_from_world = frame.view_from_world();
-    let heights = points.iter().map(|&point| view_from_world.transform_point3(point).z);
-    let [lowest, highest] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
+    let heights = content.heights(view_from_world);
     let image = with_extent(frame, image).scaled(guard_scale(size, guard));
     if frame.is_perspective {
-        perspective_rectangle(frame, view_from_world, image, -lowest, casters, size)
+        perspective_rectangle(frame, view_from_world, image, -heights[0], content.casters, size)
     } else {
-        parallel_rectangle(frame, view_from_world, image, [lowest, highest], casters, size)
+        parallel_rectangle(frame, view_from_world, image, heights, content.casters, size)
     }
 }
 
@@ -96,7 +116,8 @@ fn perspective_rectangle(
     casters: &[Aabb],
     size: u32,
 ) -> ViewFit {
-    let limit = if farthest > 0.0 && farthest.is_finite() { frame.limit.min(farthest) } else { frame.limit };
+    let is_before = farthest > touching_distance(frame.eye.length()) && farthest.is_finite();
+    let limit = if is_before { frame.limit.min(farthest) } else { frame.limit };
     let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
     let range = range_in_view(world_from_view, image, casters, limit);
     let Window { min, max } = image;

@@ -8,7 +8,7 @@
 use glam::{DMat4, DVec3};
 
 use super::Window;
-use crate::{bounds::Aabb, convex::intersect, frustum::Frustum};
+use crate::{bounds::Aabb, polytope::Polytope};
 
 /// The near plane of a perspective view lies at least at this share of the far plane's distance.
 ///
@@ -19,6 +19,16 @@ pub const MIN_NEAR_SHARE: f64 = 1.0 / 1024.0;
 
 /// By what share of itself a range is widened at either end, so that no caster is clipped by the rounding of its depth.
 pub const RANGE_MARGIN: f64 = 1.0 / 1024.0;
+
+/// What lies before a light by less than this share of the coordinates is there by rounding: a light that touches a box sees nothing of the side that it touches.
+///
+/// Coordinates turned into a light's view are off by some ten times 2^-53 of their size, and the corners of cut bodies by 2^-42 ([`Polytope::clip`]).
+const TOUCHING: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// The distance up to which something counts as touching a light, where positions have coordinates up to `largest` metres.
+pub(super) fn touching_distance(largest: f64) -> f64 {
+    TOUCHING * largest
+}
 
 /// The distances of the near and far planes from the eye along the view axis, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,32 +52,77 @@ pub fn distance_to_box(point: DVec3, bounds: Aabb) -> f64 {
 ///
 /// `image` is what the view has of the plane at a distance of 1 m, in metres; `limit` is the distance beyond which nothing is to be shadowed, infinite for none.
 /// Without a caster in view, the range lies around 1 m, or the limit if that is nearer: the map then stays empty and everything is lit.
+///
+/// Each caster's box is turned into view space and cut by the four sides of the view there, so that neither the distance from the scene's origin nor a narrow image costs digits.
 #[must_use]
 pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], limit: f64) -> DepthRange {
     let view_from_world = world_from_view.inverse();
-    let farthest =
-        casters.iter().map(|caster| -caster.transformed(view_from_world).0.z).filter(|far| far.is_finite()).fold(0.0, f64::max);
+    let Window { min, max } = image;
+    let sides =
+        [DVec3::new(1.0, 0.0, min.x), DVec3::new(-1.0, 0.0, -max.x), DVec3::new(0.0, 1.0, min.y), DVec3::new(0.0, -1.0, -max.y)];
+    let position = world_from_view.w_axis.truncate().length();
     let mut near = f64::INFINITY;
     let mut far = 0.0_f64;
-    if farthest > 0.0 {
-        // What is nearer than the near rule allows need not be found.
-        let slice = [farthest.min(limit) * MIN_NEAR_SHARE, farthest];
-        let corner = |i: usize| {
-            let distance = slice[i / 4];
-            let Window { min, max } = image;
-            let (x, y) = [(max.x, max.y), (min.x, max.y), (min.x, min.y), (max.x, min.y)][i % 4];
-            world_from_view.transform_point3(DVec3::new(x, y, -1.0) * distance)
-        };
-        let view = Frustum { corners: core::array::from_fn(corner) };
-        for caster in casters {
-            for &point in intersect(&view, *caster).as_slice() {
-                let distance = -view_from_world.transform_point3(point).z;
-                near = near.min(distance);
-                far = far.max(distance);
-            }
+    for caster in casters.iter().filter(|caster| !caster.is_empty()) {
+        let turned = TurnedBox::of(*caster, view_from_world);
+        let [nearest, farthest] = turned.extent_along(DVec3::NEG_Z);
+        let touching = touching_distance(position + turned.center.length());
+        // What changes nothing need not be cut.
+        if farthest <= touching || nearest.max(0.0) >= near && farthest <= far {
+            continue;
+        }
+        let ranges = sides.map(|side| turned.extent_along(side));
+        if ranges.iter().any(|range| range[1] < 0.0) {
+            continue;
+        }
+        if nearest > 0.0 && ranges.iter().all(|range| range[0] >= 0.0) {
+            near = near.min(nearest);
+            far = far.max(farthest);
+            continue;
+        }
+        let mut seen = Polytope::from_parallelepiped(turned.corners());
+        for side in sides {
+            seen.clip(side.extend(0.0));
+        }
+        let (nearest, farthest) = seen.extent_along(DVec3::NEG_Z);
+        if farthest > touching {
+            near = near.min(nearest.max(0.0));
+            far = far.max(farthest);
         }
     }
     widened(near, far, limit)
+}
+
+/// A box in another space, whose axes need not lie along those of the space.
+struct TurnedBox {
+    center: DVec3,
+    /// From the centre to the middles of three faces.
+    halves: [DVec3; 3],
+}
+
+impl TurnedBox {
+    /// A box that is not empty, by an affine matrix.
+    fn of(bounds: Aabb, to_from_world: DMat4) -> Self {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let half = 0.5 * (max - min);
+        let axis = |i: usize| to_from_world.col(i).truncate() * half[i];
+        Self { center: to_from_world.transform_point3(0.5 * (min + max)), halves: [axis(0), axis(1), axis(2)] }
+    }
+
+    /// The least and the greatest `dot(direction, point)` of its points.
+    fn extent_along(&self, direction: DVec3) -> [f64; 2] {
+        let (middle, reach) =
+            (direction.dot(self.center), self.halves.iter().map(|half| direction.dot(*half).abs()).sum::<f64>());
+        [middle - reach, middle + reach]
+    }
+
+    /// The corners, in the order of [`Aabb::corners`].
+    fn corners(&self) -> [DVec3; 8] {
+        core::array::from_fn(|i| {
+            let sign = |bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            self.center + self.halves[0] * sign(0) + self.halves[1] * sign(1) + self.halves[2] * sign(2)
+        })
+    }
 }
 
 /// Between which heights over a plane across parallel light, toward the light and in metres, there are casters whose shadows can fall into a rectangle of its image: `[lowest, highest]`; `None` without any.
@@ -76,8 +131,10 @@ pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], li
 #[must_use]
 pub fn heights_of_casters(view_from_world: DMat4, image: Window, casters: &[Aabb]) -> Option<[f64; 2]> {
     let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
-    for caster in casters {
-        let (min, max) = caster.transformed(view_from_world);
+    for caster in casters.iter().filter(|caster| !caster.is_empty()) {
+        let turned = TurnedBox::of(*caster, view_from_world);
+        let reach = turned.halves.iter().fold(DVec3::ZERO, |reach, half| reach + half.abs());
+        let (min, max) = (turned.center - reach, turned.center + reach);
         let meets = min.truncate().cmple(image.max).all() && max.truncate().cmpge(image.min).all();
         if meets {
             heights = [heights[0].min(min.z), heights[1].max(max.z)];

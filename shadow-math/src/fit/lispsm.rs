@@ -17,11 +17,11 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
     DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, ViewFit, Window,
-    boxed::{boxed_view, depth_of_heights, nothing_visible},
+    boxed::{Content, boxed_view, depth_of_heights, nothing_visible},
     guard_scale, heights_of_casters, range_in_view,
     uniform::MIN_EXTENT_SHARE,
 };
-use crate::{bounds::Aabb, depth::DepthScale};
+use crate::depth::DepthScale;
 
 /// The greatest warp parameter, in sizes of the image: beyond it w changes by less than a thousandth, and nothing is warped.
 pub const MAX_WARP_PARAMETER: f64 = 1024.0;
@@ -46,8 +46,8 @@ pub struct LispsmWarp {
 pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Result<LispsmWarp, FallBack> {
     #[cfg(not(feature = "std"))]
     use crate::float::FloatFuncs;
-    /// The sine of the least angle between view and light that has a direction: below, it is rounding of the camera's pose.
-    const MIN_SINE: f64 = 1e-7;
+    /// The sine of the least angle between view and light that has a direction: single precision, in which lights are given, tells no less.
+    const MIN_SINE: f64 = 4.0 * f32::EPSILON as f64;
     let along = frame.rotation.inverse() * eye.axis();
     let sine = along.truncate().length();
     if !(sine > MIN_SINE) {
@@ -71,63 +71,69 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 
 /// The view of the image of some points under a warp.
 ///
-/// `points` are those of a convex body in world space, before the light; `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
+/// `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
 /// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
 #[must_use]
-pub fn lispsm_view(
-    frame: &LightFrame,
-    eye: DVec3,
-    warp: LispsmWarp,
-    points: &[DVec3],
-    casters: &[Aabb],
-    size: u32,
-    guard: u32,
-) -> ViewFit {
+pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let frame = &frame.rolled(warp.toward_camera);
     let view_from_world = frame.view_from_world();
-    let of_view = || points.iter().map(|&point| view_from_world.transform_point3(point));
+    let of_view = || content.points.iter().map(|&point| view_from_world.transform_point3(point));
     let Some(image) = Window::around(of_view().map(|point| frame.image(point))) else {
         return nothing_visible(frame, size);
     };
     let length = image.max.y - image.min.y;
     let parameter = warp.parameter.max(MIN_WARP_PARAMETER * length);
     if !(parameter < MAX_WARP_PARAMETER * length) {
-        return boxed_view(frame, points, casters, size, guard);
+        return boxed_view(frame, content, size, guard);
     }
-    let light_space = LightSpace::of(frame, view_from_world, image, points, casters);
     // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle.
     let eye = view_from_world.transform_point3(eye);
     let has_image = !frame.is_perspective || eye.z < 0.0;
     let axis_x = if has_image { frame.image(eye).x } else { image.center().x };
+    let w_of = |y: f64| (image.max.y + parameter - y) / parameter;
+    let mut sides = [f64::INFINITY, f64::NEG_INFINITY];
+    for point in of_view().map(|point| frame.image(point)) {
+        let side = (point.x - axis_x) / w_of(point.y);
+        sides = [sides[0].min(side), sides[1].max(side)];
+    }
+    let farthest_w = w_of(image.min.y);
+    let scale = 1.0 / guard_scale(size, guard);
+    let half_side = (0.5 * (sides[1] - sides[0])).max(MIN_EXTENT_SHARE * length / farthest_w);
+    let middle_side = 0.5 * (sides[0] + sides[1]);
+    // The part of the image that the map has, guard bands and all: a trapezoid, whose w is least and greatest where y / w is +-1 in the map. (f - 1) / 2 times that is f / w - (f + 1) / 2.
+    let [least_w, greatest_w] =
+        [1.0, -1.0].map(|side| 2.0 * farthest_w / ((farthest_w + 1.0) + side * (farthest_w - 1.0) / scale)).map(|w| {
+            // The guard band of a strong warp can reach beyond its horizon: a band as wide as the image is enough.
+            if w > 0.0 && w < 2.0 * farthest_w { w } else { 2.0 * farthest_w }
+        });
+    let reach = |w: f64| [middle_side - half_side / scale, middle_side + half_side / scale].map(|side| axis_x + side * w);
+    let ([a, b], [c, d]) = (reach(least_w), reach(greatest_w));
+    let y_of = |w: f64| image.max.y - parameter * (w - 1.0);
+    let map = Window { min: DVec2::new(a.min(c), y_of(greatest_w)), max: DVec2::new(b.max(d), y_of(least_w)) };
+    let light_space = LightSpace::of(frame, view_from_world, map, content);
 
     // Rows over (X, Y, D, 1), homogeneous; D is the light's own depth.
     let w = DVec4::new(0.0, -1.0, 0.0, image.max.y + parameter) / parameter;
     let x = DVec4::new(1.0, 0.0, 0.0, -axis_x);
-    let warped_points = || of_view().map(|point| light_space.of_view(point));
-    let mut sides = [f64::INFINITY, f64::NEG_INFINITY];
     let mut depth_factor = f64::INFINITY;
-    let mut farthest_w = 1.0_f64;
-    for point in warped_points() {
-        let at = w.dot(point);
-        let side = x.dot(point) / at;
-        sides = [sides[0].min(side), sides[1].max(side)];
-        farthest_w = farthest_w.max(at);
-        if point.z > 0.0 {
-            depth_factor = depth_factor.min(at / point.z);
+    for point in of_view().map(|point| light_space.of_view(point)).filter(|point| point.z > 0.0) {
+        depth_factor = depth_factor.min(w.dot(point) / point.z);
+    }
+    // Where the others are is not known but for being in the map: w is at least 1 in it, less the guard band.
+    for &other in content.others {
+        let depth = light_space.of_view(view_from_world.transform_point3(other)).z;
+        if depth > 0.0 {
+            depth_factor = depth_factor.min(least_w / depth);
         }
     }
-    let scale = 1.0 / guard_scale(size, guard);
-    let half_side = (0.5 * (sides[1] - sides[0])).max(MIN_EXTENT_SHARE * length / farthest_w);
     let depth_factor = if depth_factor.is_finite() { depth_factor } else { light_space.deepest.recip() };
-    let middle_side = 0.5 * (sides[0] + sides[1]);
     let clip_x = (x - w * middle_side) * (scale / half_side);
     // y / w is 1 where w is 1 and -1 where w is greatest: (2 f / w - f - 1) / (f - 1).
     let clip_y = (DVec4::W * (2.0 * farthest_w) - w * (farthest_w + 1.0)) * (scale / (farthest_w - 1.0));
     let clip_z = DVec4::Z * (depth_factor * (1.0 - RANGE_MARGIN));
     let clip_from_light = DMat4::from_cols(clip_x, clip_y, clip_z, w).transpose();
     let clip_from_view = clip_from_light * light_space.light_from_view;
-    let center = image.center();
-    let at_center = (image.max.y + parameter - center.y) / parameter;
+    let at_center = w_of(image.center().y);
     let distance = if frame.is_perspective { light_space.middle_distance } else { 1.0 };
     let texel_x = 2.0 * at_center * half_side / scale * distance / f64::from(size);
     let texel_y = at_center * at_center * parameter * (farthest_w - 1.0) / (farthest_w * scale) * distance / f64::from(size);
@@ -159,9 +165,9 @@ struct LightSpace {
 }
 
 impl LightSpace {
-    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, points: &[DVec3], casters: &[Aabb]) -> Self {
-        let heights = points.iter().map(|&point| view_from_world.transform_point3(point).z);
-        let [lowest, highest] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
+    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, content: &Content<'_>) -> Self {
+        let casters = content.casters;
+        let [lowest, highest] = content.heights(view_from_world);
         if frame.is_perspective {
             let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
             let range = range_in_view(world_from_view, image, casters, frame.limit.min(-lowest));

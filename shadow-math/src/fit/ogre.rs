@@ -5,7 +5,10 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Vec4Swizzles};
 
-use super::{FallBack, LightFrame, Subject, ViewFit, Window, boxed::rectangle_view};
+use super::{
+    FallBack, LightFrame, Subject, ViewFit, Window,
+    boxed::{Content, rectangle_view},
+};
 use crate::{
     camera::Camera,
     light::{Light, LightKind},
@@ -98,7 +101,7 @@ pub fn ogre_uniform_view(light: &Light, camera: &Camera, setup: &OgreSetup, subj
         let half = DVec2::splat(half_width);
         Window { min: snapped - half, max: snapped + half }
     };
-    rectangle_view(&frame, image, &corners, subject.casters, size, 0)
+    rectangle_view(&frame, image, &Content::new(&corners, subject.casters), size, 0)
 }
 
 /// The angle between view and light, in radians, within which OGRE's LiSPSM warps less by itself: 25.84 degrees.

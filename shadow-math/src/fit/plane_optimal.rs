@@ -20,7 +20,7 @@ use crate::{
 /// The depth of the plane. What receivers on it need for rounding has room behind it.
 const PLANE_DEPTH: f64 = 0.99;
 
-/// The least and the greatest of a camera's w on the plane over its height above it, as shares of the scene: between them casters of any height have depths.
+/// The least distance from a perspective camera of a shadow on the plane over the height of its caster: lower ones would take all of the depth from the others.
 const MIN_HEIGHT_RATIO: f64 = 1e-6;
 
 /// The rows of a plane-optimal matrix but for its depth.
@@ -36,8 +36,10 @@ pub struct PlaneOptimal {
     pub plane: DVec4,
     /// The height of a light at a place over the plane, in metres; the cosine of the angle between light and normal for parallel light.
     pub light_height: f64,
-    /// The light as a homogeneous point.
+    /// The light as a homogeneous point: a unit vector with a 0, or a position with a 1.
     pub light: DVec4,
+    /// The camera's w on its near plane, by which the rows are divided, in metres; 1 for a camera with parallel rays.
+    pub near: f64,
 }
 
 /// The rows x, y and w that take points to where the camera sees their shadows on a plane.
@@ -65,6 +67,7 @@ pub struct PlaneOptimal {
 pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneOptimal, FallBack> {
     /// The sine of the least angle under which a plane is seen.
     const MIN_SINE: f64 = 1e-6;
+    let light = light / if light.w == 0.0 { light.truncate().length() } else { light.w };
     let length = plane.truncate().length();
     let mut plane = plane / length;
     if plane.dot(light) < 0.0 {
@@ -75,8 +78,8 @@ pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneO
         return Err(FallBack::NoExtent);
     }
     let eye_height = plane.dot(eye.camera.eye.extend(1.0));
-    let scale = eye.camera.eye.distance(light.truncate() * light.w) + eye.planes()[0];
-    if !(light_height > MIN_SINE * if light.w == 0.0 { light.truncate().length() } else { scale }) {
+    let scale = eye.camera.eye.distance(light.truncate()) + eye.planes()[0];
+    if !(light_height > MIN_SINE * if light.w == 0.0 { 1.0 } else { scale }) {
         return Err(FallBack::LightInPlane);
     }
     let is_perspective = matches!(eye.camera.projection, crate::Projection::Perspective { .. });
@@ -100,12 +103,13 @@ pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneO
         plane,
         light_height,
         light,
+        near,
     })
 }
 
 /// How fast depth falls with the height over the plane: the factor k of depth, at most 0.
 ///
-/// It comes from the bounds of the casters, as far as their shadows fall into the picture. Points where the height is more than a million times w would take all of the depth; they are left out of the map.
+/// It comes from the bounds of the casters, as far as their shadows fall into the picture. Points that are a million times higher than their shadow is away from the camera would take all of the depth; they are left out of the map.
 #[must_use]
 pub fn plane_depth_factor(rows: &PlaneOptimal, casters: &[Aabb]) -> f64 {
     let mut least = f64::INFINITY;
@@ -122,8 +126,8 @@ pub fn plane_depth_factor(rows: &PlaneOptimal, casters: &[Aabb]) -> f64 {
             }
         }
     }
-    // Without a caster any depth will do: a metre's.
-    let least = if least.is_finite() { least.max(MIN_HEIGHT_RATIO) } else { 1.0 };
+    // Without a caster any depth will do.
+    let least = if least.is_finite() { least.max(MIN_HEIGHT_RATIO / rows.near) } else { 1.0 / rows.near };
     -PLANE_DEPTH * least * (1.0 - RANGE_MARGIN)
 }
 
@@ -144,19 +148,17 @@ impl PlaneOptimal {
     /// The view with this depth factor, whose map has `size` texels on a side. It has no guard band: its texels are the picture's pixels, where map and picture have one size.
     #[must_use]
     pub fn view(&self, eye: &Eye<'_>, depth_factor: f64, size: u32) -> ViewFit {
-        let Self { clip_x, clip_y, clip_w, plane, light_height, light } = *self;
+        let Self { clip_x, clip_y, clip_w, plane, light_height, light, near } = *self;
         let is_perspective = light.w != 0.0;
         let normal = plane.truncate();
         // The axis of a light at a place is the one across the plane: distances along it are its height less the point's.
-        let (axis, position) =
-            if is_perspective { (-normal, light.truncate() / light.w) } else { (-light.truncate().normalize(), DVec3::ZERO) };
+        let (axis, position) = if is_perspective { (-normal, light.truncate()) } else { (-light.truncate(), DVec3::ZERO) };
         let rotation = world_from_view_rotation(axis);
         let view_from_world = rigid_inverse(rotation, position);
         let world_from_view = DMat4::from_rotation_translation(rotation, position);
         let clip_z = clip_w * PLANE_DEPTH + plane * depth_factor;
         let clip_from_world = DMat4::from_cols(clip_x, clip_y, clip_z, clip_w).transpose();
         // On the plane a texel is as wide as the camera's own share of the picture, at its near plane.
-        let near = if matches!(eye.camera.projection, crate::Projection::Perspective { .. }) { eye.planes()[0] } else { 1.0 };
         let texel = 2.0 * near * eye.camera.half_extent(eye.aspect) / f64::from(size);
         let highest = 1.0 / -depth_factor;
         let range = if is_perspective {

@@ -10,11 +10,12 @@ use super::{
 use crate::{
     filter::guard_texels,
     fit::{
-        self, CUBE_FACES, CascadeSphere, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OGRE_THRESHOLD, OgreSetup, Subject,
-        ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp, optimal_warp,
-        plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_range,
+        self, CUBE_FACES, CascadeSphere, Content, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, MAX_POINTS, OGRE_THRESHOLD,
+        OgreSetup, Subject, ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp,
+        optimal_warp, plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
+    polytope::Polytope,
     settings::{Cascades, Fit, FitFrom, MAX_CASCADES, MIN_MAP_SIZE, Selection, ShadowSettings, Split, SplitScheme, Store},
     splits::{histogram_bin, practical_split, quantile_splits},
 };
@@ -70,7 +71,9 @@ pub(super) fn plan_views(
     } else if plan.shadow_far < f32::MAX || matches!(settings.split, Split::Cascades(_)) || settings.fit != Fit::Uniform {
         return Err(PlanError::NoCamera);
     }
-    let fitting = Fitting { light, subject, settings, guard };
+    // Whether a map contains a receiver is asked in single precision: a texel more keeps what the map was fitted to away from where rounding decides.
+    let is_contained = matches!(settings.split, Split::Cascades(Cascades { selection: Selection::Containment, .. }));
+    let fitting = Fitting { light, subject, settings, guard: guard + u32::from(is_contained) };
     plan.split = match (settings.split, views.len()) {
         (Split::Cascades(_), _) => SPLIT_CASCADES,
         (_, 1) => SPLIT_SINGLE,
@@ -83,13 +86,15 @@ pub(super) fn plan_views(
     };
     match settings.split {
         Split::Cascades(cascades) => {
-            let ends = fitting.cascade_ends(&cascades)?;
+            let covered = fitting.covered_range(&cascades)?;
+            let ends = fitting.cascade_ends(&cascades, covered)?;
             fitting.set_selection(plan, &cascades, &ends);
+            let mut asked = Asked { range: covered, ..Asked::default() };
             for (cascade, view) in views.iter_mut().enumerate() {
                 let size = fitting.map_size_of(&cascades, cascade)?;
                 fitting.check_size(size)?;
-                let slice = fitting.padded_slice(plan, &cascades, &ends, cascade);
-                write(view, &fitting.cascade(&cascades, cascade, slice, size)?);
+                let slice = fitting.padded_slice(plan, &cascades, &ends, covered, cascade)?;
+                write(view, &fitting.cascade(&cascades, cascade, slice, &mut asked, size)?);
             }
         }
         _ => {
@@ -99,7 +104,7 @@ pub(super) fn plan_views(
             let is_of_all = matches!(settings.fit, Fit::PlaneOptimal | Fit::OgreUniform);
             let mut why = None;
             if is_of_all {
-                match fitting.of_all()? {
+                match fitting.of_all(face_of(0))? {
                     Ok(fit) => {
                         write(&mut views[0], &fit);
                         (plan.view_count, plan.split) = (1, SPLIT_SINGLE);
@@ -179,12 +184,25 @@ struct Fitting<'a> {
 struct Slice {
     /// Between which distances along the camera's axis, in metres.
     range: [f64; 2],
+    /// Who else may ask the map.
+    asked: Asked,
     /// The map's size in texels.
     size: u32,
     /// What the best warp's parameter is multiplied by; 0 for no warp.
     lispsm_factor: f64,
     /// The camera's near and far distances as OGRE's warp takes them: 0 for no far plane.
     ogre_planes: [f64; 2],
+}
+
+/// Which receivers ask a map that lie beyond what it is fitted to.
+#[derive(Clone, Copy, Default)]
+struct Asked {
+    /// Between which distances a receiver may lie that asks because it happens to be in the map; `None` where none does.
+    range: Option<[f64; 2]>,
+    /// The map before it, of which any receiver may ask that is in it: where the two are blended.
+    before: Option<ViewFit>,
+    /// What that has between its guard bands, as a sphere before the camera: of stabilised cascades.
+    sphere: Option<CascadeSphere>,
 }
 
 /// Where cascades begin and end, in metres from the camera along its axis: one number more than there are cascades.
@@ -265,32 +283,49 @@ impl Fitting<'_> {
         let frame = self.frame(face);
         let [near, far] = eye.planes();
         let ogre_planes = [near, if far.is_finite() { far } else { 0.0 }];
-        let slice = Slice { range, size, lispsm_factor: 1.0, ogre_planes };
+        let slice = Slice { range, asked: Asked::default(), size, lispsm_factor: 1.0, ogre_planes };
         Ok(self.of_slice(fit, &frame, slice, || self.uniform(face)))
     }
 
     /// The one view of all that there is, of the fits that make one for any light.
-    fn of_all(&self) -> Result<Result<ViewFit, FallBack>, PlanError> {
+    fn of_all(&self, face: Option<usize>) -> Result<Result<ViewFit, FallBack>, PlanError> {
         let eye = self.eye()?;
         if self.settings.fit == Fit::OgreUniform {
             let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
             return Ok(Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, self.settings.map_size)));
         }
-        let range = visible_range(&self.fitted(eye), self.subject.bounds, self.shadow_distance());
-        Ok(range.ok_or(FallBack::PlaneOutOfView).and_then(|range| self.plane_optimal(eye, &self.frame(None), range)))
+        let Some(range) = visible_range(&self.fitted(eye), self.subject.bounds, self.shadow_distance()) else {
+            return Ok(Ok(ViewFit { outcome: FitOutcome::NothingVisible, ..self.uniform(face) }));
+        };
+        Ok(self.plane_optimal(eye, &self.frame(None), range))
     }
 
     /// The view of what is seen between two distances, by one of the fits that follow a body.
     fn of_slice(&self, fit: Fit, frame: &LightFrame, slice: Slice, uniform: impl FnOnce() -> ViewFit) -> ViewFit {
-        let Slice { range, size, lispsm_factor, ogre_planes } = slice;
+        let Slice { range, asked, size, lispsm_factor, ogre_planes } = slice;
         let Some(eye) = &self.subject.eye else { return uniform() };
         let body = visible_body(&self.fitted(eye), range, self.subject, frame);
-        let (points, casters) = (body.vertices(), self.subject.casters);
+        let whole = asked.range.map_or(Polytope::EMPTY, |range| visible_body(&self.fitted(eye), range, self.subject, frame));
+        let mut within = Polytope::EMPTY;
+        if let Some(before) = asked.before.filter(|before| before.outcome != FitOutcome::NothingVisible) {
+            within = whole;
+            for plane in before.sides() {
+                within.clip(plane);
+            }
+        }
+        let mut points = [DVec3::ZERO; MAX_POINTS];
+        let count = body.vertices().len() + within.vertices().len();
+        for (point, vertex) in points.iter_mut().zip(body.vertices().iter().chain(within.vertices())) {
+            *point = *vertex;
+        }
+        let points = &points[..count];
         if points.is_empty() {
             return ViewFit { outcome: FitOutcome::NothingVisible, ..uniform() };
         }
+        let others = whole.vertices();
+        let content = Content { points, others, casters: self.subject.casters };
         let view = match fit {
-            Fit::Focused => Ok(focused_view(frame, points, casters, size, self.guard)),
+            Fit::Focused => Ok(focused_view(frame, &content, size, self.guard)),
             Fit::Lispsm | Fit::OgreLispsm => {
                 let optimal = optimal_warp(frame, eye, points);
                 optimal.map(|warp| {
@@ -301,10 +336,10 @@ impl Fitting<'_> {
                     } else {
                         (eye.camera.eye, warp.parameter * lispsm_factor)
                     };
-                    lispsm_view(frame, axis, LispsmWarp { parameter, ..warp }, points, casters, size, self.guard)
+                    lispsm_view(frame, axis, LispsmWarp { parameter, ..warp }, &content, size, self.guard)
                 })
             }
-            _ => Ok(boxed_view(frame, points, casters, size, self.guard)),
+            _ => Ok(boxed_view(frame, &content, size, self.guard)),
         };
         view.unwrap_or_else(|why| uniform().in_place_of_another(why))
     }
@@ -320,19 +355,12 @@ impl Fitting<'_> {
         Ok(rows.view(eye, plane_depth_factor(&rows, self.subject.casters), self.settings.map_size))
     }
 
-    /// Where cascades begin and end.
-    fn cascade_ends(&self, cascades: &Cascades) -> Result<Ends, PlanError> {
+    /// Where cascades begin and end: with numbers above 0 that grow, so that splits by factors exist.
+    fn cascade_ends(&self, cascades: &Cascades, covered: Option<[f64; 2]>) -> Result<Ends, PlanError> {
         let eye = self.eye()?;
-        let bounds = self.subject.bounds;
-        let [near, far] = if cascades.stabilised {
-            // Whatever the camera looks at: the distances must not change with its pose.
-            let [near, far] = eye.planes();
-            let widest = 2.0 * f64::from(bounds.radius());
-            [near, far.min(self.shadow_distance()).min(widest.max(near * 2.0))]
-        } else {
-            visible_range(&self.fitted(eye), bounds, self.shadow_distance()).unwrap_or([eye.planes()[0], eye.planes()[0] * 2.0])
-        };
-        // A split by factors begins somewhere above 0.
+        // Nothing has splits, too.
+        let [near, far] = covered.unwrap_or([eye.planes()[0]; 2]);
+        let far = far.max(near * 2.0).max(MIN_FAR_OF_SPLIT);
         let near = near.max(far * MIN_NEAR_OF_SPLIT);
         let count = cascades.count as usize;
         let mut ends = [far; MAX_CASCADES + 1];
@@ -377,6 +405,26 @@ impl Fitting<'_> {
         Ok(ends)
     }
 
+    /// Between which distances from the camera, along its axis in metres, all cascades together have what can be seen; `None` where that is nothing.
+    fn covered_range(&self, cascades: &Cascades) -> Result<Option<[f64; 2]>, PlanError> {
+        let eye = self.eye()?;
+        let bounds = self.subject.bounds;
+        if !cascades.stabilised {
+            return Ok(visible_range(&self.fitted(eye), bounds, self.shadow_distance()));
+        }
+        // Whatever the camera looks at: the distances must not change with its pose.
+        let [near, far] = eye.planes();
+        let far = far.min(self.shadow_distance());
+        // A camera within the sphere around the scene sees none of it beyond twice the radius. One that is elsewhere, and sees without an end, is given steps of a factor of 2: within them nothing changes.
+        let radius = f64::from(bounds.radius()).max(MIN_FAR_OF_SPLIT);
+        let farthest = eye.camera.eye.distance(bounds.center().as_dvec3()) + radius;
+        let mut widest = 2.0 * radius;
+        while widest < farthest && widest < far {
+            widest *= 2.0;
+        }
+        Ok(Some([near, far.min(widest).max(near)]))
+    }
+
     /// Writes how receivers choose among cascades.
     fn set_selection(&self, plan: &mut LightPlan, cascades: &Cascades, ends: &Ends) {
         let count = cascades.count as usize;
@@ -399,17 +447,30 @@ impl Fitting<'_> {
     }
 
     /// The distances that a cascade covers: its own, the padding on both sides, and what the one before is blended over.
-    fn padded_slice(&self, plan: &LightPlan, cascades: &Cascades, ends: &Ends, cascade: usize) -> [f64; 2] {
+    fn padded_slice(
+        &self,
+        plan: &LightPlan,
+        cascades: &Cascades,
+        ends: &Ends,
+        covered: Option<[f64; 2]>,
+        cascade: usize,
+    ) -> Result<[f64; 2], PlanError> {
+        let Some([nearest, farthest]) = covered else { return Ok([0.0; 2]) };
         let padding = f64::from(cascades.padding);
         let band = match (cascades.selection, cascade) {
-            (_, 0) => 0.0,
-            (Selection::Depth, _) => f64::from(plan.split_band[(cascade - 1) / 4][(cascade - 1) % 4]),
-            // Beside the rim of the map before it a cascade can be asked for any point that the first one has.
-            (Selection::Containment, _) if cascades.blend > 0.0 => f64::INFINITY,
-            (Selection::Containment, _) => 0.0,
+            (Selection::Depth, 1..) => f64::from(plan.split_band[(cascade - 1) / 4][(cascade - 1) % 4]),
+            // What is in the map before it is looked for there.
+            _ if cascades.stabilised && cascades.blend > 0.0 => f64::INFINITY,
+            _ => 0.0,
         };
-        let begin = ends[cascade] - padding.max(band);
-        [begin.max(ends[0]) * (1.0 - SPLIT_MARGIN), (ends[cascade + 1] + padding) * (1.0 + SPLIT_MARGIN)]
+        let bounds = self.subject.bounds;
+        let begin = if cascade == 0 { nearest } else { (ends[cascade] - padding.max(band)).max(nearest) };
+        let end = (ends[cascade + 1] + padding).min(farthest.max(ends[cascade + 1]));
+        if cascades.stabilised {
+            // As below, for a camera as far from the scene's origin as the bounds are: spheres must not follow the pose.
+            return Ok(fit::widened_by([begin, end], 2.0 * f64::from(bounds.abs_max().length())));
+        }
+        Ok(fit::widened_slice(self.eye()?, bounds, [begin, end]))
     }
 
     /// The size of a cascade's map in texels.
@@ -422,36 +483,56 @@ impl Fitting<'_> {
         }
     }
 
-    /// One cascade.
-    fn cascade(&self, cascades: &Cascades, cascade: usize, slice: [f64; 2], size: u32) -> Result<ViewFit, PlanError> {
+    /// One cascade. `asked` says who asks it, and is told of it.
+    fn cascade(
+        &self,
+        cascades: &Cascades,
+        cascade: usize,
+        slice: [f64; 2],
+        asked: &mut Asked,
+        size: u32,
+    ) -> Result<ViewFit, PlanError> {
         let frame = self.frame(None);
         let eye = self.eye()?;
         if cascades.stabilised {
             if !size.is_power_of_two() {
                 return Err(PlanError::StabilisedMapSize(size));
             }
-            let sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
-            return Ok(stabilised_view(&frame, eye, sphere, self.subject, size, self.guard));
+            let mut sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
+            if let (Selection::Containment, Some(before)) = (cascades.selection, asked.sphere.filter(|_| cascades.blend > 0.0)) {
+                let around = (sphere.distance - before.distance).abs() + before.radius;
+                sphere.radius = sphere.radius.max(around);
+            }
+            let view = stabilised_view(&frame, eye, sphere, self.subject, size, self.guard);
+            let half = 0.5 * view.texel_metres[0] * (f64::from(size) - 2.0 * f64::from(self.guard));
+            // Half a texel to each side by which the middle is moved, and one for the guard band that receivers are told to keep to.
+            asked.sphere = Some(CascadeSphere { radius: half + 1.5 * view.texel_metres[0], ..sphere });
+            return Ok(view);
         }
         let fit = cascades.fits[cascade].unwrap_or(self.settings.fit);
-        let boxed = || {
-            let body = visible_body(&self.fitted(eye), slice, self.subject, &frame);
-            boxed_view(&frame, body.vertices(), self.subject.casters, size, self.guard)
-        };
         let factor = f64::from(cascades.lispsm_factors[cascade]);
-        let slice = Slice { range: slice, size, lispsm_factor: factor, ogre_planes: slice };
-        Ok(self.of_slice(fit, &frame, slice, boxed))
+        let asking = match cascades.selection {
+            Selection::Depth => Asked::default(),
+            Selection::Containment if cascades.blend > 0.0 => *asked,
+            Selection::Containment => Asked { before: None, ..*asked },
+        };
+        let slice = Slice { range: slice, asked: asking, size, lispsm_factor: factor, ogre_planes: slice };
+        let boxed =
+            || self.of_slice(Fit::Uniform, &frame, slice, || boxed_view(&frame, &Content::new(&[], &[]), size, self.guard));
+        let view = self.of_slice(fit, &frame, slice, boxed);
+        asked.before = Some(view);
+        Ok(view)
     }
 }
-
-/// By what share of themselves a cascade's distances are widened: receivers choose in single precision.
-const SPLIT_MARGIN: f64 = 1e-6;
 
 /// The bins of a histogram of distances, each a hundredth part deeper than the one before at a range of ten to one.
 const HISTOGRAM_BINS: usize = 256;
 
-/// The least distance at which the first cascade begins, as a share of where the last one ends.
+/// The least distance from which splits by factors are counted, as a share of where the last one ends. What is nearer is the first cascade's.
 const MIN_NEAR_OF_SPLIT: f64 = 1e-6;
+
+/// The least distance in metres at which the last cascade ends.
+const MIN_FAR_OF_SPLIT: f64 = 1e-6;
 
 /// The point that the axis of OGRE's perspective goes through, which is the visible one nearest to the camera, and the parameter that OGRE takes by itself.
 fn ogre_axis_and_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], planes: [f64; 2]) -> (DVec3, f64) {

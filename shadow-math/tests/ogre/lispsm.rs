@@ -4,8 +4,8 @@ use glam::{DMat4, DVec3};
 use shadow_math::{
     LightKind,
     fit::{
-        LightFrame, LispsmWarp, OgreLightSpace, OgreSetup, ViewFit, lispsm_view, ogre_standard_matrix, ogre_tweak, ogre_warp,
-        optimal_warp,
+        Content, LightFrame, LispsmWarp, OgreLightSpace, OgreSetup, ViewFit, lispsm_view, ogre_standard_matrix, ogre_tweak,
+        ogre_warp, optimal_warp,
     },
 };
 
@@ -162,7 +162,14 @@ fn our_view(case: &Case) -> ViewFit {
     let LightKind::Directional { direction } = case.light().kind else { unreachable!("the case has parallel light") };
     let (frame, body) = (LightFrame::parallel(direction), case.body_b());
     let warp = optimal_warp(&frame, &case.eye(), &body).expect("the camera looks across the light");
-    lispsm_view(&frame, case.nearest(), LispsmWarp { parameter: parameter(case), ..warp }, &body, &[case.casters()], 1024, 0)
+    lispsm_view(
+        &frame,
+        case.nearest(),
+        LispsmWarp { parameter: parameter(case), ..warp },
+        &Content::new(&body, &[case.casters()]),
+        1024,
+        0,
+    )
 }
 
 /// For parallel light the renderer's warp is OGRE's, if it is given OGRE's body and parameter; depth has a range of its own.

@@ -5,7 +5,7 @@ use shadow_math::{
     Camera, Light, LightKind,
     bounds::Aabb,
     fit::{
-        Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreLightSpace, Subject, focused_view, ogre_frame,
+        Content, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, OgreLightSpace, Subject, focused_view, ogre_frame,
         ogre_standard_matrix, optimal_warp, visible_body, visible_range,
     },
 };
@@ -182,7 +182,7 @@ fn an_empty_scene_is_nothing() {
         let scene = [Aabb::new(Vec3::new(-15.0, -1.0, -15.0), Vec3::new(15.0, 5.0, 15.0))];
         assert!(body_of(&scene, Aabb::EMPTY).is_empty() && body_of(&[], scene[0]).is_empty());
         assert!(!body_of(&scene, scene[0]).is_empty());
-        let view = focused_view(&frame, body.vertices(), &[], 1024, 2);
+        let view = focused_view(&frame, &Content::new(body.vertices(), &[]), 1024, 2);
         assert_eq!(view.outcome, FitOutcome::NothingVisible);
     }
 }
