@@ -24,6 +24,7 @@ mod program_files;
 mod program_presets;
 mod program_rival;
 mod program_scenes;
+mod standing;
 mod stores;
 mod sweep;
 mod terminator;

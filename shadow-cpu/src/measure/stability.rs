@@ -1,7 +1,7 @@
 //! Do shadows stand still while the camera moves?
 //!
 //! The same points of surfaces are asked before and after a move for their visibility under the plan and maps of each moment. Where the truth
-//! changes as well, a change is right; the score is the share of the others that change.
+//! changes as well, a change is right; the score is the share of the others that change so much that it can be seen.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,6 +14,9 @@ use shadow_math::{
 use shadow_scene::{FramePlan, SceneLight};
 
 use crate::trace::{SurfacePoint, Tracer};
+
+/// The least change that a picture of 8 bits can show. Less is what single precision makes of a bilinear weight: a hundred-thousandth, where a map is moved by whole texels.
+const VISIBLE: f32 = 1.0 / 255.0;
 
 /// Whether a camera sees the place of a point.
 fn is_in_view(camera: &CameraPlan, point: Vec3) -> bool {
@@ -37,7 +40,7 @@ pub struct Moment<'a, M> {
 pub struct Stability {
     /// Points times lights for which the truth is the same at both moments.
     pub compared: u64,
-    /// Of these, those whose visibility changes.
+    /// Of these, those whose visibility changes by more than a step of an 8-bit picture.
     pub changed: u64,
     /// Points times lights that ask other maps, or blend them otherwise, at one moment than at the other: between cascades, or between the faces of a cube. They are not compared.
     pub other_maps: u64,
@@ -85,7 +88,7 @@ impl Stability {
                     };
                     if rays.sees_center(point, &before.lights[light]) == rays.sees_center(point, &after.lights[light]) {
                         stability.compared += 1;
-                        stability.changed += u64::from(seen(before) != seen(after));
+                        stability.changed += u64::from((seen(before) - seen(after)).abs() > VISIBLE);
                     }
                 }
             }
