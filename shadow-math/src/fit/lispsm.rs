@@ -100,16 +100,22 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     let scale = 1.0 / guard_scale(size, guard);
     let half_side = (0.5 * (sides[1] - sides[0])).max(MIN_EXTENT_SHARE * length / farthest_w);
     let middle_side = 0.5 * (sides[0] + sides[1]);
-    // The part of the image that the map has, guard bands and all: a trapezoid, whose w is least and greatest where y / w is +-1 in the map. (f - 1) / 2 times that is f / w - (f + 1) / 2.
-    let [least_w, greatest_w] =
-        [1.0, -1.0].map(|side| 2.0 * farthest_w / ((farthest_w + 1.0) + side * (farthest_w - 1.0) / scale)).map(|w| {
-            // The guard band of a strong warp can reach beyond its horizon: a band as wide as the image is enough.
-            if w > 0.0 && w < 2.0 * farthest_w { w } else { 2.0 * farthest_w }
-        });
-    let reach = |w: f64| [middle_side - half_side / scale, middle_side + half_side / scale].map(|side| axis_x + side * w);
-    let ([a, b], [c, d]) = (reach(least_w), reach(greatest_w));
-    let y_of = |w: f64| image.max.y - parameter * (w - 1.0);
-    let map = Window { min: DVec2::new(a.min(c), y_of(greatest_w)), max: DVec2::new(b.max(d), y_of(least_w)) };
+    // The part of the image that the map has, guard bands and all: a trapezoid, whose w is least where y / w is 1 in the map and greatest where it is -1. The guard band of a strong warp can reach beyond its
+    // horizon: the map then has all that the light reaches.
+    let w_at = |side: f64| 2.0 * farthest_w / ((farthest_w + 1.0) + side * (farthest_w - 1.0) / scale);
+    let (least_w, greatest_w) = (w_at(1.0), w_at(-1.0));
+    // The square that the light reaches is turned in this frame: its corners are farthest.
+    let farthest_image = frame.reach * core::f64::consts::SQRT_2;
+    let everywhere = Window { min: DVec2::splat(-farthest_image), max: DVec2::splat(farthest_image) };
+    let map = if greatest_w > 0.0 {
+        let reach = |w: f64| [-1.0, 1.0].map(|side| axis_x + (middle_side + side * half_side / scale) * w);
+        let ([a, b], [c, d]) = (reach(least_w), reach(greatest_w));
+        let y_of = |w: f64| image.max.y - parameter * (w - 1.0);
+        let (min, max) = (DVec2::new(a.min(c), y_of(greatest_w)), DVec2::new(b.max(d), y_of(least_w)));
+        Window { min: min.max(everywhere.min), max: max.min(everywhere.max) }
+    } else {
+        everywhere
+    };
     let light_space = LightSpace::of(frame, view_from_world, map, content);
 
     // Rows over (X, Y, D, 1), homogeneous; D is the light's own depth.
