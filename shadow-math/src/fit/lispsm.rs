@@ -116,7 +116,7 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     } else {
         everywhere
     };
-    let light_space = LightSpace::of(frame, view_from_world, map, content);
+    let light_space = LightSpace::of(frame, view_from_world, map, 0.5 * length, content);
 
     // Rows over (X, Y, D, 1), homogeneous; D is the light's own depth.
     let w = DVec4::new(0.0, -1.0, 0.0, image.max.y + parameter) / parameter;
@@ -171,7 +171,8 @@ struct LightSpace {
 }
 
 impl LightSpace {
-    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, content: &Content<'_>) -> Self {
+    /// The space for what a window of the image can show; `extent` is half the length of the body's own image.
+    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, extent: f64, content: &Content<'_>) -> Self {
         let casters = content.casters;
         let [lowest, highest] = content.heights(view_from_world);
         if frame.is_perspective {
@@ -190,7 +191,7 @@ impl LightSpace {
             return Self { light_from_view, range, deepest: 1.0, depth_at_light: slope * near, middle_distance };
         }
         let of_casters = heights_of_casters(view_from_world, image, casters);
-        let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], image.half().max_element());
+        let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], extent);
         let light_from_view =
             DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::new(0.0, 0.0, -1.0, 0.0), DVec4::new(0.0, 0.0, top, 1.0));
         let range = DepthRange { near: 0.0, far: top - bottom };

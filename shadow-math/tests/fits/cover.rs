@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use shadow_math::{
-    Fit, LightKind, Projection, Receiver, Selection, Split,
+    Fit, LightKind, PlanError, Projection, Receiver, Selection, Split,
     bounds::Aabb,
     depth::DEPTH_REVERSED,
     fit::{CUBE_FACES, MIN_NEAR_SHARE, cube_face_of},
@@ -191,7 +191,11 @@ fn check_case(seed: u64, sizes: [f64; 2], tried: &mut Tried) {
     let points = case.samples.clone();
     // What the camera sees are the samples, and nothing else.
     case.samples = points.iter().copied().filter(|point| is_seen(&case, point.as_dvec3())).collect();
-    let Ok((light, views)) = case.plan() else { return };
+    let (light, views) = match case.plan() {
+        Ok(plan) => plan,
+        // Without a sample there is nothing to be tried.
+        Err(error) => return assert_eq!(error, PlanError::NoSamples),
+    };
     for &point in &case.samples {
         check_receiver(&case, &light, &views, point, random, tried);
     }

@@ -232,7 +232,10 @@ fn a_texels_ray_passes_through_the_points_of_the_texel() {
             // A texel's place is rounded in the rows and in the ray: by as many texels as the bound says, of the width that they have here.
             let width = view.texel_width_at(point.as_dvec3()) * 4.0;
             let coordinates = f64::from(f32::EPSILON) * 8.0 * (point.length() + case.bounds.abs_max().length()) as f64;
-            assert!(beside < (slack + 1e-3) * width + coordinates, "{beside} m beside {point}, texels of {width} m, slack {slack}");
+            assert!(
+                beside < (slack + 1e-3) * width + coordinates,
+                "{beside} m beside {point}, texels of {width} m, slack {slack}"
+            );
             assert!(direction.dot(from) > 0.0 || view.w_per_metre == 0.0, "light goes toward what it lights");
         },
     );
