@@ -86,10 +86,11 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     if !(parameter < MAX_WARP_PARAMETER * length) {
         return boxed_view(frame, content, size, guard);
     }
-    // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle.
+    // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle. Another axis shears the map: a camera beside the
+    // light, whose image is far away, must not make a line of it.
     let eye = view_from_world.transform_point3(eye);
     let has_image = !frame.is_perspective || eye.z < 0.0;
-    let axis_x = if has_image { frame.image(eye).x } else { image.center().x };
+    let axis_x = if has_image { frame.image(eye).x.clamp(image.min.x, image.max.x) } else { image.center().x };
     let w_of = |y: f64| (image.max.y + parameter - y) / parameter;
     let mut sides = [f64::INFINITY, f64::NEG_INFINITY];
     for point in of_view().map(|point| frame.image(point)) {

@@ -3,8 +3,8 @@
 // mod cascades;
 mod cover;
 mod outcomes;
-// mod plane_optimal;
+mod plane_optimal;
 mod rays;
 mod scenes;
 // mod stabilised;
-// mod warps;
+mod warps;
