@@ -201,6 +201,9 @@ fn texels_are_as_wide_as_rays_through_their_sides_are_apart() {
             let axis = if is_across_axis { distance } else { toward_light(light, point).as_dvec3() };
             let (u, v) = axis.normalize().any_orthonormal_pair();
             let step = 1e-4 * p.distance(case.camera.eye).min(case.light.position().map_or(1e9, |at| p.distance(at.as_dvec3())));
+            if step == 0.0 {
+                return;
+            }
             let along = |axis: DVec3| (texel_from_clip(p + axis * step) - texel_from_clip(p - axis * step)) / (2.0 * step);
             let metres = DMat2::from_cols(along(u), along(v)).inverse();
             let expected = metres.x_axis.length().max(metres.y_axis.length());

@@ -86,7 +86,6 @@ fn both_forms_of_the_paper_agree_where_the_ends_are_planes() {
     }
 }
 
-
 fn w_range(view: &ViewFit, points: &[DVec3]) -> [f64; 2] {
     let ws = points.iter().map(|point| (view.clip_from_world() * point.extend(1.0)).w);
     ws.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], w| [least.min(w), most.max(w)])
@@ -145,7 +144,8 @@ fn a_turn_of_the_lights_frame_changes_nothing() {
             let frame = LightFrame { reach: if frame.is_perspective { 3.0 } else { frame.reach }, ..frame };
             let (points, casters) = body(camera, &LightFrame { rotation: DQuat::IDENTITY, is_perspective: false, ..frame });
             let view = frame.view_from_world();
-            let points: Vec<_> = points.into_iter().filter(|point| !frame.is_perspective || view.transform_point3(*point).z < -1.0).collect();
+            let points: Vec<_> =
+                points.into_iter().filter(|point| !frame.is_perspective || view.transform_point3(*point).z < -1.0).collect();
             let Ok(warp) = optimal_warp(&frame, &eye_of(camera), &points) else { return (None, points) };
             let view = lispsm_view(&frame, camera.eye, warp, &Content::new(&points, &casters), SIZE, GUARD);
             (Some((view, warp.parameter)), points)
