@@ -86,10 +86,11 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     if !(parameter < MAX_WARP_PARAMETER * length) {
         return boxed_view(frame, content, size, guard);
     }
-    // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle.
+    // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle. Another axis shears the map: a camera beside the
+    // light, whose image is far away, must not make a line of it.
     let eye = view_from_world.transform_point3(eye);
     let has_image = !frame.is_perspective || eye.z < 0.0;
-    let axis_x = if has_image { frame.image(eye).x } else { image.center().x };
+    let axis_x = if has_image { frame.image(eye).x.clamp(image.min.x, image.max.x) } else { image.center().x };
     let w_of = |y: f64| (image.max.y + parameter - y) / parameter;
     let mut sides = [f64::INFINITY, f64::NEG_INFINITY];
     for point in of_view().map(|point| frame.image(point)) {
@@ -100,17 +101,23 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     let scale = 1.0 / guard_scale(size, guard);
     let half_side = (0.5 * (sides[1] - sides[0])).max(MIN_EXTENT_SHARE * length / farthest_w);
     let middle_side = 0.5 * (sides[0] + sides[1]);
-    // The part of the image that the map has, guard bands and all: a trapezoid, whose w is least and greatest where y / w is +-1 in the map. (f - 1) / 2 times that is f / w - (f + 1) / 2.
-    let [least_w, greatest_w] =
-        [1.0, -1.0].map(|side| 2.0 * farthest_w / ((farthest_w + 1.0) + side * (farthest_w - 1.0) / scale)).map(|w| {
-            // The guard band of a strong warp can reach beyond its horizon: a band as wide as the image is enough.
-            if w > 0.0 && w < 2.0 * farthest_w { w } else { 2.0 * farthest_w }
-        });
-    let reach = |w: f64| [middle_side - half_side / scale, middle_side + half_side / scale].map(|side| axis_x + side * w);
-    let ([a, b], [c, d]) = (reach(least_w), reach(greatest_w));
-    let y_of = |w: f64| image.max.y - parameter * (w - 1.0);
-    let map = Window { min: DVec2::new(a.min(c), y_of(greatest_w)), max: DVec2::new(b.max(d), y_of(least_w)) };
-    let light_space = LightSpace::of(frame, view_from_world, map, content);
+    // The part of the image that the map has, guard bands and all: a trapezoid, whose w is least where y / w is 1 in the map and greatest where it is -1. The guard band of a strong warp can reach beyond its
+    // horizon: the map then has all that the light reaches.
+    let w_at = |side: f64| 2.0 * farthest_w / ((farthest_w + 1.0) + side * (farthest_w - 1.0) / scale);
+    let (least_w, greatest_w) = (w_at(1.0), w_at(-1.0));
+    // The square that the light reaches is turned in this frame: its corners are farthest.
+    let farthest_image = frame.reach * core::f64::consts::SQRT_2;
+    let everywhere = Window { min: DVec2::splat(-farthest_image), max: DVec2::splat(farthest_image) };
+    let map = if greatest_w > 0.0 {
+        let reach = |w: f64| [-1.0, 1.0].map(|side| axis_x + (middle_side + side * half_side / scale) * w);
+        let ([a, b], [c, d]) = (reach(least_w), reach(greatest_w));
+        let y_of = |w: f64| image.max.y - parameter * (w - 1.0);
+        let (min, max) = (DVec2::new(a.min(c), y_of(greatest_w)), DVec2::new(b.max(d), y_of(least_w)));
+        Window { min: min.max(everywhere.min), max: max.min(everywhere.max) }
+    } else {
+        everywhere
+    };
+    let light_space = LightSpace::of(frame, view_from_world, map, 0.5 * length, content);
 
     // Rows over (X, Y, D, 1), homogeneous; D is the light's own depth.
     let w = DVec4::new(0.0, -1.0, 0.0, image.max.y + parameter) / parameter;
@@ -165,7 +172,8 @@ struct LightSpace {
 }
 
 impl LightSpace {
-    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, content: &Content<'_>) -> Self {
+    /// The space for what a window of the image can show; `extent` is half the length of the body's own image.
+    fn of(frame: &LightFrame, view_from_world: DMat4, image: Window, extent: f64, content: &Content<'_>) -> Self {
         let casters = content.casters;
         let [lowest, highest] = content.heights(view_from_world);
         if frame.is_perspective {
@@ -184,7 +192,7 @@ impl LightSpace {
             return Self { light_from_view, range, deepest: 1.0, depth_at_light: slope * near, middle_distance };
         }
         let of_casters = heights_of_casters(view_from_world, image, casters);
-        let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], image.half().max_element());
+        let [top, bottom] = depth_of_heights(of_casters, [lowest, highest], extent);
         let light_from_view =
             DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::new(0.0, 0.0, -1.0, 0.0), DVec4::new(0.0, 0.0, top, 1.0));
         let range = DepthRange { near: 0.0, far: top - bottom };
