@@ -17,6 +17,7 @@ mod matrix;
 mod mirrors;
 mod pictures;
 mod planar_bias;
+mod plane_optimal;
 mod poses;
 mod probe;
 mod program;

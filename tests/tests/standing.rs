@@ -104,9 +104,8 @@ fn stabilised_cascades_stand_still_wherever_the_scene_is() {
         let view = CameraView::new(&camera, SIZE.0, SIZE.1);
         let judge = Judge::new(&tracer, view, Sampling::default(), &|| {});
         let hits = judge.seen().hits.iter().enumerate().filter(|(_, hit)| hit.triangle != NO_TRIANGLE);
-        let points = hits.map(|(pixel, hit)| {
-            tracer.surface_point(hit, judge.seen().view.ray(pixel as u32 % SIZE.0, pixel as u32 / SIZE.0))
-        });
+        let points = hits
+            .map(|(pixel, hit)| tracer.surface_point(hit, judge.seen().view.ray(pixel as u32 % SIZE.0, pixel as u32 / SIZE.0)));
         let points: Vec<SurfacePoint> = points.collect();
         assert!(points.len() > 10_000, "{} points are watched", points.len());
         let prepared = renderer.prepare(&scene);
