@@ -1,6 +1,6 @@
 //! The plane-optimal fit against the truth: on its plane, each pixel has a texel of its own.
 
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec4, Vec3};
 use shadow_cpu::{
     CpuRenderer, RasterRules,
     measure::{Cause, FrameAliasing, Judge},
@@ -50,9 +50,9 @@ fn a_planes_picture_is_the_truth() {
         .iter()
         .map(|&triangle| {
             triangle != NO_TRIANGLE
-                && scene.triangles()[triangle as usize].iter().all(|&vertex| {
-                    plane.dot(DVec3::from(scene.vertices().positions[vertex as usize].as_dvec3()).extend(1.0)).abs() < 1e-6
-                })
+                && scene.triangles()[triangle as usize]
+                    .iter()
+                    .all(|&vertex| plane.dot(scene.vertices().positions[vertex as usize].as_dvec3().extend(1.0)).abs() < 1e-6)
         })
         .collect();
     let floor = is_floor.iter().filter(|is_floor| **is_floor).count();

@@ -114,7 +114,7 @@ impl Sweep {
             let small = others.enumerate().map(|(index, filter)| (filter, bias(turn + index), Sizes::SMALL, uniform));
             let cameras = self.cameras.iter().skip(1).map(|cameras| (Filter::default(), Bias::Automatic, Sizes::SMALL, *cameras));
             std::iter::once((Filter::default(), Bias::Automatic, self.sizes, uniform)).chain(small).chain(cameras).collect()
-        } else if turn % 2 == 0 {
+        } else if turn.is_multiple_of(2) {
             vec![(Filter::ALL[turn % Filter::ALL.len()], bias(turn), self.sizes, uniform)]
         } else {
             // Where samples go takes turns, too; narrow filters leave room in the smallest maps of cascades.
