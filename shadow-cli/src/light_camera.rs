@@ -329,3 +329,58 @@ fn not_a_scheme(text: &str) -> String {
         "`{text}` does not say where cascades end; take uniform, logarithmic, practical or histogram, or write distances in metres with commas, as 5,20,60"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What settings are said to be gives the same settings, as options and in a file.
+    #[test]
+    fn what_is_said_is_what_is_meant() {
+        let mut sizes = [0; MAX_CASCADES];
+        sizes[..4].copy_from_slice(&[2048, 1024, 512, 512]);
+        sizes[4..].fill(512);
+        let mut ends = [0.0; MAX_CASCADES - 1];
+        ends[..2].copy_from_slice(&[5.0, 20.5]);
+        let cascades = Cascades::default();
+        let splits = [
+            Split::Single,
+            Split::Cube,
+            Split::Cascades(cascades),
+            Split::Cascades(Cascades {
+                count: 3,
+                scheme: SplitScheme::Explicit(ends),
+                padding: 0.5,
+                stabilised: true,
+                ..cascades
+            }),
+            Split::Cascades(Cascades {
+                scheme: SplitScheme::Histogram,
+                blend: 0.25,
+                selection: Selection::Containment,
+                ..cascades
+            }),
+            Split::Cascades(Cascades { map_sizes: sizes, lispsm_factors: [2.0; MAX_CASCADES], ..cascades }),
+            Split::Cascades(Cascades { fits: [Some(Fit::Lispsm); MAX_CASCADES], scheme: SplitScheme::Uniform, ..cascades }),
+            Split::Cascades(Cascades { scheme: SplitScheme::Practical(0.25), ..cascades }),
+        ];
+        for fit in Fit::ALL {
+            for split in splits {
+                let plane = (fit == Fit::PlaneOptimal).then_some([0.0, 1.0, 0.0, -0.5]);
+                let settings = ShadowSettings {
+                    fit,
+                    split,
+                    plane,
+                    shadow_distance: Some(40.0),
+                    fit_from: FitFrom::Samples,
+                    ..ShadowSettings::default()
+                };
+                let said = LightCameraArgs::saying(&settings);
+                assert_eq!(said.of(ShadowSettings::default()), Ok(settings));
+                let file = crate::settings_file::SettingsReport::of("it", &settings).file("# it");
+                let (_, read) = crate::settings_file::parse(&file).unwrap_or_else(|error| unreachable!("{error} in\n{file}"));
+                assert_eq!(read, settings, "{file}");
+            }
+        }
+    }
+}

@@ -444,7 +444,7 @@ impl SettingsReport {
 
 #[cfg(test)]
 mod tests {
-    use shadow_math::{Bias, settings::BiasParts};
+    use shadow_math::{Bias, Split, settings::BiasParts};
 
     use super::*;
 
@@ -494,6 +494,13 @@ mod tests {
             ("\n\nfilter = \"soft\"", 3, ["soft", "bilinear"]),
             ("filter = \"box3\"\nfilter-radius = 2", 2, ["box3", "\"vogel\""]),
             ("filter = \"gaussian\"\n\nfilter-radius = 5", 3, ["5 is out", "1 to 4"]),
+            ("\nsplit = \"tiles\"", 2, ["tiles", "cascades"]),
+            ("split = \"single\"\nlambda = 0.5", 2, ["lambda", "split = \"cascades\""]),
+            ("split = \"cascades\"\nsplits = \"halves\"", 2, ["halves", "histogram"]),
+            ("split = \"cascades\"\nsplits = [1.0, 2.0]", 2, ["2 distances", "there are 4"]),
+            ("split = \"cascades\"\nsplits = \"uniform\"\nlambda = 1", 3, ["lambda", "splits = \"practical\""]),
+            ("fit = \"focused\"\nplane = [0, 1, 0, 0]", 2, ["plane", "fit = \"plane-optimal\""]),
+            ("fit = \"best\"", 1, ["best", "plane-optimal"]),
             ("bias = \"flat\"", 1, ["flat", "receiver-plane"]),
             ("\nbias = \"slope+receiver-plane\"", 2, ["slope", "leave one"]),
             ("bias = \"normal-offset\"\nbias-normal = 9", 2, ["9", "from 0 to 8"]),

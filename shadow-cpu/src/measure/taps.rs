@@ -316,10 +316,11 @@ mod tests {
     #[test]
     fn the_length_of_a_bias_is_that_of_its_depth() {
         for view in views() {
-            let (w, metres) = (if view.w_per_metre == 0.0 { 1.0 } else { 8.0 }, 0.125);
+            let (point, metres) = (DVec3::new(0.5, -1.0, 0.25), 0.125);
+            let w = DVec4::from_array(view.clip_w.map(f64::from)).dot(point.extend(1.0));
             let scale = DepthScale { factor: f64::from(view.depth_factor), w_per_metre: f64::from(view.w_per_metre) };
             let bias = scale.depth_of_metres(w, metres);
-            assert!((metres_of_depth(&view, bias, w, w) - metres).abs() < 1e-12);
+            assert!((view.metres_of_depth(point, bias) - metres).abs() < 1e-12);
         }
     }
 }
