@@ -17,7 +17,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
     DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, ViewFit, Window,
-    boxed::{Content, boxed_view, depth_of_heights, nothing_visible},
+    boxed::{Content, boxed_view, depth_of_heights, least_extent, nothing_visible},
     guard_scale, heights_of_casters, range_in_view,
     uniform::MIN_EXTENT_SHARE,
 };
@@ -72,7 +72,7 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 /// The view of the image of some points under a warp.
 ///
 /// `eye` is the camera's place; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
-/// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
+/// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none, nor of an image without a size. Depth is 0 at the highest caster, and at most 1 at every point of the body.
 #[must_use]
 pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let frame = &frame.rolled(warp.toward_camera);
@@ -83,7 +83,7 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
     };
     let length = image.max.y - image.min.y;
     let parameter = warp.parameter.max(MIN_WARP_PARAMETER * length);
-    if !(parameter < MAX_WARP_PARAMETER * length) {
+    if !(parameter < MAX_WARP_PARAMETER * length && length > least_extent(frame)) {
         return boxed_view(frame, content, size, guard);
     }
     // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle. Another axis shears the map: a camera beside the

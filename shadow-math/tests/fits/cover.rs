@@ -59,8 +59,8 @@ fn axis_and_reach(case: &Case, point: DVec3) -> (DVec3, bool) {
             let is_near = way.length() <= range.map_or(f64::INFINITY, f64::from);
             // The angle by its tangent: a cosine has no digits where the cone is narrow.
             let along = axis.dot(way);
-            let is_within = along > 0.0 && (way - axis * along).length() <= f64::from(outer).tan() * along
-                || outer >= core::f32::consts::FRAC_PI_2 && along > 0.0;
+            let is_within = along > 0.0
+                && (outer >= core::f32::consts::FRAC_PI_2 || (way - axis * along).length() <= f64::from(outer).tan() * along);
             (axis, is_near && is_within)
         }
         LightKind::Point { position, range } => {
