@@ -210,6 +210,14 @@ proptest! {
     }
 }
 
+/// Scenes in which something was once missing: points looked at by an orthographic camera that stands on them, whose warps single precision could not hold.
+#[test]
+fn what_is_as_small_as_rounding_is_in_the_map() {
+    for seed in [1_475_259, 1_596_995, 1_905_294, 2_106_498, 2_376_628, 2_641_074, 7_303_911_768_504_537_369] {
+        check_case(seed, [1e-3, 1e6], &mut Tried::default());
+    }
+}
+
 /// The test above tries what it says: so many receivers, casters and blends, for each way to choose cascades.
 #[test]
 fn enough_is_tried() {
