@@ -27,7 +27,8 @@ pub use body::{Eye, Subject, visible_body, visible_range, widened_by, widened_sl
 pub use boxed::{Content, MAX_POINTS, boxed_view, focused_view};
 pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
 pub use depth_range::{
-    DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, heights_of_casters, range_around_point, range_in_view,
+    DepthRange, MIN_NEAR_SHARE, RANGE_MARGIN, distance_to_box, heights_along, heights_of_casters, range_around_point,
+    range_in_view,
 };
 pub use frame::{LightFrame, Window};
 pub use lispsm::{LispsmWarp, MAX_WARP_PARAMETER, lispsm_view, optimal_warp};

@@ -126,7 +126,8 @@ pub fn widened_by([near, far]: [f64; 2], largest: f64) -> [f64; 2] {
 /// All points that the camera sees between two distances along its axis, in metres, that lie within the bounds, and that a caster can shadow: the slice of its frustum, cut by the planes of the bounds, of the shadow
 /// volume of all casters' bounds and of what the light reaches. Empty where that is nothing.
 ///
-/// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume and 5 of the light: fewer than a [`Polytope`] has room for.
+/// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume and 6 of the light: fewer than a [`Polytope`] has room for. The 16 of the samples may find none: the body is then larger than it
+/// need be. Without a caster there is no body.
 #[must_use]
 pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, frame: &LightFrame) -> Polytope {
     let casters = subject.caster_bounds();

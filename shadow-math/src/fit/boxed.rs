@@ -97,12 +97,16 @@ pub(super) fn rectangle_view(frame: &LightFrame, image: Window, content: &Conten
     }
 }
 
+/// Half the width and height that an image has at least, in its own units: below, there is no telling it from rounding.
+pub(super) fn least_extent(frame: &LightFrame) -> f64 {
+    // A tangent is a length at a distance of 1 m.
+    if frame.is_perspective { MIN_EXTENT_SHARE * 1e-3 } else { MIN_RADIUS }
+}
+
 /// A rectangle that is at least wide and high enough to be inverted.
 fn with_extent(frame: &LightFrame, image: Window) -> Window {
     let half = image.half();
-    // A tangent is a length at a distance of 1 m.
-    let least = if frame.is_perspective { MIN_EXTENT_SHARE * 1e-3 } else { MIN_RADIUS };
-    let least = (MIN_EXTENT_SHARE * half.max_element()).max(least);
+    let least = (MIN_EXTENT_SHARE * half.max_element()).max(least_extent(frame));
     let (center, half) = (image.center(), half.max(DVec2::splat(least)));
     Window { min: center - half, max: center + half }
 }

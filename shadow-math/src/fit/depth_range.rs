@@ -143,6 +143,18 @@ pub fn heights_of_casters(view_from_world: DMat4, image: Window, casters: &[Aabb
     (heights[0] <= heights[1]).then_some(heights)
 }
 
+/// Between which heights along a unit vector toward parallel light, in metres, there are casters, wherever they are: `[lowest, highest]`; `None` without any.
+#[must_use]
+pub fn heights_along(toward_light: DVec3, casters: &[Aabb]) -> Option<[f64; 2]> {
+    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
+    for caster in casters.iter().filter(|caster| !caster.is_empty()) {
+        let (min, max) = (caster.min.as_dvec3(), caster.max.as_dvec3());
+        let (middle, reach) = (toward_light.dot(0.5 * (min + max)), toward_light.abs().dot(0.5 * (max - min)));
+        heights = [heights[0].min(middle - reach), heights[1].max(middle + reach)];
+    }
+    (heights[0] <= heights[1]).then_some(heights)
+}
+
 /// The common range of the six faces of a cube around `position`.
 ///
 /// `limit` is the light's range in metres, infinite for none.

@@ -17,11 +17,11 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
     DepthRange, Eye, FallBack, LightFrame, RANGE_MARGIN, ViewFit, Window,
-    boxed::{Content, boxed_view, depth_of_heights, nothing_visible},
+    boxed::{Content, boxed_view, depth_of_heights, least_extent, nothing_visible},
     guard_scale, heights_of_casters, range_in_view,
     uniform::MIN_EXTENT_SHARE,
 };
-use crate::depth::DepthScale;
+use crate::{depth::DepthScale, rounding::UNIT_ROUNDOFF};
 
 /// The greatest warp parameter, in sizes of the image: beyond it w changes by less than a thousandth, and nothing is warped.
 pub const MAX_WARP_PARAMETER: f64 = 1024.0;
@@ -71,8 +71,13 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 
 /// The view of the image of some points under a warp.
 ///
+<<<<<<< HEAD
 /// `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
 /// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
+=======
+/// `eye` is the camera's place; `guard` texels of the `size` stay free on every side. The warp's parameter is no less than single precision can tell, and is kept between
+/// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none, nor of an image without a size. Depth is 0 at the highest caster, and at most 1 at every point of the body.
+>>>>>>> fit-tests
 #[must_use]
 pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let frame = &frame.rolled(warp.toward_camera);
@@ -82,8 +87,8 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
         return nothing_visible(frame, size);
     };
     let length = image.max.y - image.min.y;
-    let parameter = warp.parameter.max(MIN_WARP_PARAMETER * length);
-    if !(parameter < MAX_WARP_PARAMETER * length) {
+    let parameter = warp.parameter.max(MIN_WARP_PARAMETER * length).max(least_parameter(frame, view_from_world, content.points));
+    if !(parameter < MAX_WARP_PARAMETER * length && length > least_extent(frame)) {
         return boxed_view(frame, content, size, guard);
     }
     // The perspective's axis goes through the camera, so that the sides of its frustum become parallel; where the light has no image of it, through the middle. Another axis shears the map: a camera beside the
@@ -157,6 +162,18 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
         is_warped: true,
         ..ViewFit::unwarped(size)
     }
+}
+
+/// The least warp parameter of which single precision leaves anything: w is the sum of coordinates over it, each off by some roundings of its own size, and must stay near to 1 where it is 1.
+fn least_parameter(frame: &LightFrame, view_from_world: DMat4, points: &[DVec3]) -> f64 {
+    /// Four roundings of a row, some of its numbers and of the point, and as little as a fifth of w for all.
+    const ROUNDINGS: f64 = 64.0;
+    let of_point = |point: &DVec3| {
+        let largest = point.length() + frame.eye.length();
+        let seen = view_from_world.transform_point3(*point);
+        if frame.is_perspective { largest * (1.0 + frame.image(seen).length()) / -seen.z } else { largest }
+    };
+    ROUNDINGS * UNIT_ROUNDOFF * points.iter().map(of_point).fold(0.0, f64::max)
 }
 
 /// The space in which a light's rays are parallel: its image, with depth from the highest caster on.

@@ -107,13 +107,28 @@ pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneO
     })
 }
 
+<<<<<<< HEAD
 /// How fast depth falls with the height over the plane: the factor k of depth, at most 0.
+=======
+/// How fast depth falls with the height over the plane: the factor k of `0.99 + k (pi . X) / w`, at most 0.
+>>>>>>> fit-tests
 ///
 /// It comes from the bounds of the casters, as far as their shadows fall into the picture. Points that are a million times higher than their shadow is away from the camera would take all of the depth; they are left out of the map.
 #[must_use]
 pub fn plane_depth_factor(rows: &PlaneOptimal, casters: &[Aabb]) -> f64 {
     let mut least = f64::INFINITY;
-    for caster in casters {
+    for caster in casters.iter().filter(|caster| !caster.is_empty()) {
+        // Over the plane and before the camera w over height is least at a corner: what is not less there is not less anywhere.
+        let mut bound = f64::INFINITY;
+        for corner in caster.corners() {
+            let point = corner.as_dvec3().extend(1.0);
+            let (w, height) = (rows.clip_w.dot(point), rows.plane.dot(point));
+            let ratio = if w >= 0.0 && height >= 0.0 { w / height } else { f64::NEG_INFINITY };
+            bound = bound.min(ratio);
+        }
+        if bound >= least {
+            continue;
+        }
         let mut body = Polytope::from_bounds(*caster);
         for plane in rows.half_spaces() {
             body.clip(plane);

@@ -10,9 +10,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, dcamera::rh};
 
-use super::{
-    DepthRange, Eye, LightFrame, Subject, ViewFit, Window, boxed::depth_of_heights, heights_of_casters, uniform::rigid_inverse,
-};
+use super::{DepthRange, Eye, LightFrame, Subject, ViewFit, boxed::depth_of_heights, heights_along, uniform::rigid_inverse};
 use crate::{camera::Projection, depth::DepthScale};
 
 /// The sphere around a slice of a camera's view.
@@ -84,8 +82,7 @@ pub fn stabilised_view(
     let center = whole * texel - origin;
 
     let bounds = subject.bounds.transformed(light_from_world);
-    let everywhere = Window { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
-    let casters = heights_of_casters(light_from_world, everywhere, subject.casters);
+    let casters = heights_along(frame.rotation * DVec3::Z, subject.casters);
     let [top, bottom] = depth_of_heights(casters, [bounds.0.z, bounds.1.z], sphere.radius);
     let depth = top - bottom;
     let clip_from_view = rh::proj::directx::orthographic(-half, half, -half, half, 0.0, depth);

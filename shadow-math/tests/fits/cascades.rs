@@ -1,8 +1,8 @@
 //! Where cascades end, and what is refused.
 
 use shadow_math::{
-    Bias, Camera, Cascades, Fit, FitFrom, Light, LightKind, PlanError, Projection, Selection, ShadowSettings, Split, SplitScheme,
-    Store,
+    Bias, Camera, Cascades, Filter, Fit, FitFrom, Light, LightKind, PlanError, Projection, Selection, ShadowSettings, Split,
+    SplitScheme, Store,
     bounds::Aabb,
     fit::{Eye, FitOutcome, Subject},
     glam::{DVec3, Vec3},
@@ -179,6 +179,24 @@ fn what_has_no_meaning_is_refused() {
         let settings = ShadowSettings { shadow_distance: Some(metres), ..ShadowSettings::default() };
         assert_eq!(refused(&settings), PlanError::ShadowDistance(metres));
     }
+}
+
+/// A cascade's own map is too small for a filter that the others have room for.
+#[test]
+fn a_map_without_room_for_its_filter_is_refused() {
+    let with = |smallest: u32, selection| {
+        let mut map_sizes = [0; MAX_CASCADES];
+        map_sizes[3] = smallest;
+        let settings = of(Cascades { map_sizes, selection, ..Cascades::default() });
+        plan_with(&sun(), &ShadowSettings { filter: Filter::Box9, ..settings }, &[], true)
+    };
+    let (plan, _) = with(0, Selection::Depth).expect("2048 texels are enough");
+    let guard = plan.guard_texels as u32;
+    let refused = |guard| PlanError::MapTooSmallForFilter { size: 2 * guard + 1, filter: Filter::Box9, guard };
+    assert_eq!(with(2 * guard + 1, Selection::Depth).expect_err("a texel is left, by which maps are moved"), refused(guard));
+    assert!(with(2 * guard + 2, Selection::Depth).is_ok());
+    // A texel more on each side, where it is asked which map has a receiver.
+    assert_eq!(with(2 * guard + 3, Selection::Containment).expect_err("a texel is left"), refused(guard + 1));
 }
 
 #[test]

@@ -91,6 +91,20 @@ fn w_range(view: &ViewFit, points: &[DVec3]) -> [f64; 2] {
     ws.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], w| [least.min(w), most.max(w)])
 }
 
+/// w grows with the distance from the camera, and texels with it: on a line of sight that lies across the light, and on the average of all that is seen.
+#[test]
+fn what_is_near_has_more_of_the_samples() {
+    for (camera, frame) in suns() {
+        let (points, casters) = body(camera, &frame);
+        let warp = optimal_warp(&frame, &eye_of(camera), &points).expect("the light is not along the view");
+        let view = lispsm_view(&frame, camera.eye, warp, &Content::new(&points, &casters), SIZE, GUARD);
+        if view.is_warped {
+            let w = view.clip_from_world().row(3).truncate();
+            assert!(w.dot(camera.direction()) > 0.0, "w falls along the view {}", camera.direction());
+        }
+    }
+}
+
 /// As the camera turns toward the light, w becomes the same everywhere, bit by bit, and in the end the view is the box's own.
 #[test]
 fn warps_fade_as_the_camera_turns_along_the_light() {
