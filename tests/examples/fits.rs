@@ -12,14 +12,18 @@ use shadow_cpu::{
 };
 use shadow_math::{Cascades, Filter, Fit, FitFrom, ShadowSettings, Split, SplitScheme};
 use shadow_scene::{Request, Scene, SceneLight, builder, import};
-use shadow_tests::{cameras::Cameras, renderers::{scene_files, scenes}};
+use shadow_tests::{
+    cameras::Cameras,
+    renderers::{scene_files, scenes},
+};
 
 const SIZE: (u32, u32) = (320, 180);
 const MAP: u32 = 512;
 
 /// What is compared. Four cascades of half the size have as many texels as one map.
 fn techniques() -> Vec<(Cameras, u32)> {
-    let one = Cameras { name: "uniform", fit: Fit::Uniform, fit_from: FitFrom::Frustum, split: Split::Single, shadow_distance: None };
+    let one =
+        Cameras { name: "uniform", fit: Fit::Uniform, fit_from: FitFrom::Frustum, split: Split::Single, shadow_distance: None };
     let four = Cascades::default();
     let of = |name, fit, fit_from, cascades: Option<Cascades>| {
         let split = cascades.map_or(Split::Single, Split::Cascades);
@@ -63,7 +67,10 @@ fn main() {
         let _ = writeln!(out, "| {file} | {} | {best} |", cells.join(" | "));
         let _ = out.flush();
     }
-    let _ = writeln!(out, "\n{better} of {counted} scenes have fewer wrong pixels with another fit than with the uniform one, or none at all.");
+    let _ = writeln!(
+        out,
+        "\n{better} of {counted} scenes have fewer wrong pixels with another fit than with the uniform one, or none at all."
+    );
 }
 
 /// The share of wrong pixels and m of 95 % of them with each technique; `None` where nothing is seen.

@@ -71,13 +71,8 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
 
 /// The view of the image of some points under a warp.
 ///
-<<<<<<< HEAD
-/// `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is kept between
-/// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none. Depth is 0 at the highest caster, and at most 1 at every point of the body.
-=======
-/// `eye` is the camera's place; `guard` texels of the `size` stay free on every side. The warp's parameter is no less than single precision can tell, and is kept between
+/// `eye` is the camera's place, or another that the perspective's axis is to go through; `guard` texels of the `size` stay free on every side. The warp's parameter is no less than single precision can tell, and is kept between
 /// a thousandth and [`MAX_WARP_PARAMETER`] sizes of the image, and beyond the latter there is none, nor of an image without a size. Depth is 0 at the highest caster, and at most 1 at every point of the body.
->>>>>>> fit-tests
 #[must_use]
 pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &Content<'_>, size: u32, guard: u32) -> ViewFit {
     let frame = &frame.rolled(warp.toward_camera);

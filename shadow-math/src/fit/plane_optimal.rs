@@ -107,11 +107,7 @@ pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneO
     })
 }
 
-<<<<<<< HEAD
-/// How fast depth falls with the height over the plane: the factor k of depth, at most 0.
-=======
 /// How fast depth falls with the height over the plane: the factor k of `0.99 + k (pi . X) / w`, at most 0.
->>>>>>> fit-tests
 ///
 /// It comes from the bounds of the casters, as far as their shadows fall into the picture. Points that are a million times higher than their shadow is away from the camera would take all of the depth; they are left out of the map.
 #[must_use]

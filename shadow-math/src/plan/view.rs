@@ -47,7 +47,7 @@ pub(super) fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings,
         world_from_texel_x: rounded(world_from_texel.x_axis),
         world_from_texel_y: rounded(world_from_texel.y_axis),
         world_from_depth: rounded(world_from_texel.z_axis),
-        rays: texel_rays(view, world_from_texel),
+        rays: texel_rays(view, world_from_texel, if depth_kind == DEPTH_Z_OVER_W { 0.0 } else { 1.0 }),
         texel_scale: texel_scale.as_vec2().to_array(),
         texel_offset: texel_offset.as_vec2().to_array(),
         rounding_texels: [rounding.texels as f32, rounding.texels_over_w as f32],
@@ -109,14 +109,15 @@ fn caster_of(bias: Bias, view: &ViewFit) -> ViewPlan {
 
 /// The rays of light through the texels of a view, in the order of [`PixelRays`].
 ///
-/// A texel's column of points is the image of a line through the light. Its point of depth 0 is linear in the texel's coordinates, homogeneous: parallel light has that as its origin, to be divided by its fourth
+/// A texel's column of points is the image of a line through the light. Its point at `near_depth`, the depth of the near plane, is linear in the texel's coordinates, homogeneous: parallel light has that as its origin, to be divided by its fourth
 /// component; light from a place has the vector from there to it, which is linear too, and as long as it is deep where nothing is warped.
-fn texel_rays(view: &ViewFit, world_from_texel: DMat4) -> PixelRays {
+fn texel_rays(view: &ViewFit, world_from_texel: DMat4, near_depth: f64) -> PixelRays {
     let light = view.light();
-    let [dx, dy, corner] = [world_from_texel.x_axis, world_from_texel.y_axis, world_from_texel.w_axis];
+    let [dx, dy] = [world_from_texel.x_axis, world_from_texel.y_axis];
+    let corner = world_from_texel.w_axis + world_from_texel.z_axis * near_depth;
     let padded = |v: DVec3| rounded(v.extend(0.0));
     if view.depth_scale.w_per_metre > 0.0 {
-        // The vector from the light to a homogeneous point, times the point's own w; depth 0 of a reversed view is far away.
+        // The vector from the light to a homogeneous point, times the point's own w.
         let position = light.truncate() / light.w;
         let from_light = |point: DVec4| padded(point.truncate() - position * point.w);
         return PixelRays {

@@ -291,7 +291,11 @@ impl Fitting<'_> {
     fn of_all(&self, face: Option<usize>) -> Result<Result<ViewFit, FallBack>, PlanError> {
         let eye = self.eye()?;
         if self.settings.fit == Fit::OgreUniform {
-            let setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
+            let mut setup = OgreSetup::of_camera(&eye.camera, self.settings.shadow_distance.map_or(0.0, f64::from));
+            if setup.far_distance <= 0.0 {
+                // An orthographic camera can begin where it is, which OGRE's rule makes no distance of: then all of the scene.
+                setup.far_distance = 2.0 * f64::from(self.subject.bounds.radius()).max(MIN_FAR_OF_SPLIT);
+            }
             return Ok(Ok(ogre_uniform_view(self.light, &eye.camera, &setup, self.subject, self.settings.map_size)));
         }
         let Some(range) = visible_range(&self.fitted(eye), self.subject.bounds, self.shadow_distance()) else {

@@ -55,7 +55,7 @@ fn random_scenes_have_every_outcome_and_none_overflows() {
     let mut outcomes = BTreeMap::new();
     for seed in 0..10_000 {
         // OGRE's box has the width of 300 near planes' distances: of an orthographic camera's own, whose least is 0, it has none.
-        let fits = [Fit::Uniform, Fit::Focused, Fit::Lispsm, Fit::PlaneOptimal, Fit::OgreLispsm];
+        let fits = Fit::ALL;
         let what = match case(seed, &fits, [1e-3, 1e6], 12).plan() {
             Ok((_, views)) => {
                 for view in views {

@@ -226,8 +226,13 @@ fn technique_section(number: usize, technique: &TechniqueReport, shown: &Shown, 
         }
         section.push_str("</div>\n");
     }
-    section.push_str(&format!("<h3>Its light cameras</h3>\n<div class=\"wide\">{}</div>\n</section>\n", shown.drawing));
+    section.push_str(&format!("<h3>Its light cameras</h3>\n<div class=\"wide\">{}</div>\n</section>\n", inline(&shown.drawing)));
     Ok(section)
+}
+
+/// A drawing as a page has it: without the name of its language, which files need.
+fn inline(svg: &str) -> String {
+    svg.replace(" xmlns=\"http://www.w3.org/2000/svg\"", "")
 }
 
 /// The colour layer of what is shown.
