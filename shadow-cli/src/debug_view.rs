@@ -113,6 +113,13 @@ pub(crate) fn explain(
     if wanted.view.is_of_view() {
         let views = view_names(job.plan.views_of(light).len());
         Selector::Index(wanted.light_view).find("view", &views)?;
+        let view = &job.plan.views_of(light)[wanted.light_view];
+        if !view.has_map() {
+            return Err(CliError::ViewOfNothing { light: wanted.light.clone(), view: wanted.light_view });
+        }
+        if wanted.view == DebugView::LightView && view.is_warped != 0 {
+            return Err(CliError::WarpedLightView { light: wanted.light.clone() });
+        }
     }
     let plan = plan_for(wanted, light, &job.plan);
     memory::check_plan(job, &plan, Work::Explain(backend))?;
@@ -177,8 +184,8 @@ fn plan_for(wanted: &Wanted<'_>, light: usize, plan: &FramePlan) -> FramePlan {
                 clip_z,
                 clip_w: view.clip_w,
                 rays: view.rays,
-                width: plan.map_size,
-                height: plan.map_size,
+                width: view.rect[2],
+                height: view.rect[3],
                 ..plan.camera
             };
         }

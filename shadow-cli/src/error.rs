@@ -7,7 +7,11 @@ use shadow_gpu::GpuError;
 use shadow_math::{CameraError, LightError};
 use shadow_scene::{FramePlanError, ImportError, LayerName, compare::CompareError};
 
-use crate::{memory::Limit, settings_file::SettingsError, specs::bytes_text};
+use crate::{
+    memory::Limit,
+    settings_file::SettingsError,
+    specs::{Selector, bytes_text},
+};
 
 /// Why the program cannot do what was asked for. Each message names the value, the limit and the way out.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +49,7 @@ pub(crate) enum CliError {
     #[error("light {light} casts no shadows and has no maps to show; choose another light, or leave --no-shadow out")]
     LightWithoutMaps {
         /// The light as it was asked for.
-        light: crate::specs::Selector,
+        light: Selector,
     },
     /// A picture that is no layer, as numbers.
     #[error("`{0}` is a picture and has no numbers that EXR could hold; write it to a .png file")]
@@ -275,6 +279,24 @@ pub(crate) enum CliError {
     CertificateFormat {
         /// The file.
         path: PathBuf,
+    },
+    /// A map that was not made, since nothing is seen in it.
+    #[error(
+        "view {view} of light `{light}` has no map: the camera sees nothing in it that could be shadowed; `shadow plan` lists those that have one"
+    )]
+    ViewOfNothing {
+        /// The light.
+        light: Selector,
+        /// The view's number.
+        view: usize,
+    },
+    /// The picture of a warped view.
+    #[error(
+        "the maps of light `{light}` are warped, and no camera takes such a picture; look at --show shadow-map, or take the fit focused, which covers the same"
+    )]
+    WarpedLightView {
+        /// The light.
+        light: Selector,
     },
     /// A drawing whose name ends in something else than .svg.
     #[error("cannot write `{}`: the drawing is SVG; choose a name that ends in .svg", path.display())]

@@ -164,6 +164,28 @@ impl LightCameraArgs {
         let wrong = |key, problem| LightCameraError::Value { key, problem };
         let default = Cascades::default();
         let count = self.cascades.unwrap_or(default.count);
+        let lists = [
+            ("cascade-sizes", self.cascade_sizes.as_ref().map_or(0, Vec::len)),
+            ("cascade-fits", self.cascade_fits.as_ref().map_or(0, Vec::len)),
+            ("lispsm-factors", self.lispsm_factors.as_ref().map_or(0, Vec::len)),
+        ];
+        if let Some((key, len)) = lists.into_iter().find(|(_, len)| *len > count as usize) {
+            return Err(wrong(
+                key,
+                format!("{len} values for {count} cascades; give one for each, or fewer, of which the last goes on"),
+            ));
+        }
+        if self.cascade_sizes.as_ref().is_some_and(|sizes| sizes.contains(&0)) {
+            return Err(wrong("cascade-sizes", "a map of 0 texels; give sizes from 16 to --map-size".into()));
+        }
+        let is_lispsm =
+            self.fit == Some(Fit::Lispsm) || self.cascade_fits.as_ref().is_some_and(|fits| fits.contains(&Fit::Lispsm));
+        if self.lispsm_factors.is_some() && !is_lispsm {
+            return Err(LightCameraError::Meaningless(Meaningless {
+                key: "lispsm-factors",
+                use_with: &["fit lispsm", "cascade-fits lispsm"],
+            }));
+        }
         let lambda = self.lambda.unwrap_or(DEFAULT_LAMBDA);
         let scheme = match &self.splits {
             None => SplitScheme::Practical(lambda),
@@ -247,7 +269,7 @@ impl LightCameraArgs {
 }
 
 /// The name of a split.
-pub(crate) fn split_name(split: &Split) -> &'static str {
+fn split_name(split: &Split) -> &'static str {
     match split {
         Split::Cube => SPLITS[1],
         Split::Cascades(_) => SPLITS[2],
@@ -376,6 +398,11 @@ mod tests {
                     ..ShadowSettings::default()
                 };
                 let said = LightCameraArgs::saying(&settings);
+                if matches!(split, Split::Cascades(Cascades { lispsm_factors: [2.0, ..], .. })) && fit != Fit::Lispsm {
+                    // Factors of a warp that is not there are refused.
+                    assert!(said.of(ShadowSettings::default()).is_err());
+                    continue;
+                }
                 assert_eq!(said.of(ShadowSettings::default()), Ok(settings));
                 let file = crate::settings_file::SettingsReport::of("it", &settings).file("# it");
                 let (_, read) = crate::settings_file::parse(&file).unwrap_or_else(|error| unreachable!("{error} in\n{file}"));

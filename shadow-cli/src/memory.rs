@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use shadow_scene::{FramePlan, LayerName, Request};
+use shadow_scene::{FramePlan, LayerName, Request, Scene};
 
 use crate::{
     args::Backend,
@@ -296,13 +296,28 @@ pub(crate) fn check_plan(job: &Job, plan: &FramePlan, work: Work<'_>) -> Result<
     })
 }
 
+/// Whether the camera's pass before a plan fits, with the scene and the points that it gives.
+pub(crate) fn check_feedback(scene_name: &str, scene: &Scene, limit: Limit, (width, height): (u32, u32)) -> Result<(), CliError> {
+    /// Bytes a pixel: its triangle and depth, and the point that it shows.
+    const PIXEL: u64 = 4 + 4 + 12;
+    let frame = u64::from(width) * u64::from(height) * PIXEL;
+    let meshes = (scene.vertices().positions.len() * 12 + scene.triangles().len() * 12) as u64;
+    let needed = frame + meshes;
+    if needed <= limit.bytes {
+        return Ok(());
+    }
+    let parts = format!("the camera's pass before the plan {}, meshes {}", bytes_text(frame), bytes_text(meshes));
+    let way_out = "choose a smaller --size, fit to the frustum (--fit-from) or name the plane (--plane)";
+    Err(CliError::TooMuchMemory { scene: scene_name.into(), needed, limit, parts, way_out })
+}
+
 /// The parts from the largest on, with what makes them as large as they are.
 fn parts_text(job: &Job, plan: &FramePlan, demand: Demand) -> String {
     let size = plan.map_size;
     let mut parts = [
         (demand.meshes, format!("meshes {} ({})", bytes_text(demand.meshes), count(job.scene.triangles().len(), "triangle"))),
         (demand.textures, format!("textures {} ({})", bytes_text(demand.textures), count(job.scene.images().len(), "image"))),
-        (demand.maps, format!("shadow maps {} ({} of {size} x {size} texels)", bytes_text(demand.maps), plan.views.len())),
+        (demand.maps, format!("shadow maps {} ({} of {size} x {size} texels)", bytes_text(demand.maps), plan.layer_count())),
         (
             demand.frame,
             format!(

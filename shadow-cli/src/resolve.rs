@@ -69,7 +69,7 @@ impl Job {
         let of_lights = settings_of_lights(&scene, &shadowing, &args.shadows)?;
         let size = (args.size.width, args.size.height);
         let map_size = shadowing.map_size();
-        let feedback = feedback(&scene, &camera, &of_lights, size)?;
+        let feedback = feedback(&scene, &camera, &of_lights, size, Some((scene_name.as_str(), limit)))?;
         let plan = FramePlan::with_all(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure, &feedback)?;
         let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
@@ -90,6 +90,9 @@ impl Job {
                 let light = light_index(light)?;
                 let views = view_names(self.plan.views_of(light).len());
                 let view = Selector::Index(*view).find("view", &views)?;
+                if !self.plan.views_of(light)[view].has_map() {
+                    return Err(CliError::ViewOfNothing { light: Selector::Index(light), view });
+                }
                 LayerName::ShadowMap { light: light as u32, view: view as u32 }
             }
         })

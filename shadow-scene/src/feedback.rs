@@ -17,12 +17,14 @@ pub struct Feedback {
     pub samples: Vec<Vec3>,
     /// The plane that the most pixels show, as `(normal, offset)` with `normal . point + offset = 0` and a unit normal; `None` where nothing is seen.
     pub plane: Option<DVec4>,
+    /// Whether a camera's pass was looked at. One that sees nothing has no samples either, and fits then follow its frustum, where nothing is to be shadowed.
+    pub is_seen: bool,
 }
 
 impl Feedback {
     /// What `camera` sees, from its triangle layer.
     ///
-    /// Triangles are of one plane if their normals are within a thousandth of a radian and they lie within a thousandth of the scene's size of each other; the plane is that of the
+    /// Triangles are of one plane if their normals, and their distances from the origin over the scene's size, are the same when rounded to 1024 steps; the plane is that of the
     /// one of them that most pixels show, the first of several.
     ///
     /// # Panics
@@ -39,7 +41,7 @@ impl Feedback {
             samples.push(scene.point(triangle, ray).point);
             *shown.entry(triangle).or_default() += 1;
         }
-        Self { samples, plane: largest_plane(scene, shown) }
+        Self { samples, plane: largest_plane(scene, shown), is_seen: true }
     }
 }
 

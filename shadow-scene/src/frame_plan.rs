@@ -11,7 +11,7 @@ use shadow_math::{
         BIAS_BACK_FACES, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE, COMPOSE_UNSHADOWED, CameraPlan, LightPlan,
         ViewPlan, plan_camera, plan_light, plan_unshadowed_light, view_count,
     },
-    settings::{Composition, MIN_MAP_SIZE},
+    settings::{Cascades, Composition, FitFrom, MIN_MAP_SIZE, Split, SplitScheme},
 };
 
 use crate::{
@@ -187,7 +187,11 @@ impl FramePlan {
         for (index, light) in scene.lights().iter().enumerate() {
             let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
             let first = views.len();
-            let settings = &ShadowSettings { map_size, ..settings(index, light) };
+            let mut settings = ShadowSettings { map_size, ..settings(index, light) };
+            if feedback.is_seen && feedback.samples.is_empty() {
+                settings = without_samples(settings);
+            }
+            let settings = &settings;
             let picture = |plan: &mut LightPlan| {
                 let Some(index) = light.picture else { return Ok(()) };
                 let count = scene.images().len();
@@ -320,6 +324,17 @@ impl FramePlan {
     }
 }
 
+/// The settings for a camera that sees nothing: what would follow its samples follows its frustum.
+fn without_samples(settings: ShadowSettings) -> ShadowSettings {
+    let split = match settings.split {
+        Split::Cascades(cascades) if cascades.scheme == SplitScheme::Histogram => {
+            Split::Cascades(Cascades { scheme: SplitScheme::default(), ..cascades })
+        }
+        split => split,
+    };
+    ShadowSettings { fit_from: FitFrom::Frustum, split, ..settings }
+}
+
 /// How many layers the maps of some views take.
 fn layer_count(views: &[ViewPlan]) -> u32 {
     views.iter().filter(|view| view.has_map()).count() as u32
@@ -329,12 +344,14 @@ fn layer_count(views: &[ViewPlan]) -> u32 {
 fn fall_back_notes(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Vec<String> {
     let note = |(index, (plan, light)): (usize, (&LightPlan, &SceneLight))| {
         let views = &views[plan.first_view as usize..][..plan.view_count as usize];
-        let why = views.iter().find_map(|view| match view.outcome() {
+        let fall_backs = views.iter().filter_map(|view| match view.outcome() {
             FitOutcome::FellBackToUniform { why } => Some(why),
             _ => None,
-        })?;
+        });
+        let (count, why) = (fall_backs.clone().count(), fall_backs.clone().next()?);
         let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
-        Some(format!("{name} has the uniform fit: {why}"))
+        let maps = if views.len() == 1 { "its map".to_string() } else { format!("{count} of {} maps", views.len()) };
+        Some(format!("{name}: {maps} could not have the fit that was asked for, but a plain one: {why}"))
     };
     lights.iter().zip(scene.lights()).enumerate().filter_map(note).collect()
 }

@@ -108,28 +108,7 @@ impl Cameras {
     ) -> Result<FramePlan, FramePlanError> {
         let camera = &scene.cameras()[0].camera;
         let feedback = feedback((renderer, prepared), scene, camera, size)?;
-        // What sees nothing has no samples to follow.
-        let cameras =
-            if feedback.samples.is_empty() { Self { fit_from: FitFrom::Frustum, ..self.without_histogram() } } else { *self };
-        FramePlan::with_all(
-            scene,
-            camera,
-            settings.map_size,
-            |_, light| cameras.of(*settings, light, scene),
-            size,
-            None,
-            &feedback,
-        )
-    }
-
-    fn without_histogram(self) -> Self {
-        let split = match self.split {
-            Split::Cascades(cascades) if cascades.scheme == SplitScheme::Histogram => {
-                Split::Cascades(Cascades { scheme: SplitScheme::default(), ..cascades })
-            }
-            split => split,
-        };
-        Self { split, ..self }
+        FramePlan::with_all(scene, camera, settings.map_size, |_, light| self.of(*settings, light, scene), size, None, &feedback)
     }
 }
 

@@ -1,8 +1,13 @@
 //! Every fit and every split on both renderers, and what has no meaning together.
 
-use shadow_cpu::CpuRenderer;
-use shadow_math::{Filter, Fit, PlanError, ShadowSettings, Split, Store, settings::Cascades};
-use shadow_scene::{FramePlan, FramePlanError, Request, Scene, SceneLight, builtin, compare::compare};
+use glam::DVec3;
+use shadow_cpu::{
+    CpuRenderer, RasterRules,
+    measure::{Cause, Judge},
+    trace::{CameraView, Sampling, Tracer},
+};
+use shadow_math::{Camera, Filter, Fit, PlanError, Projection, ShadowSettings, Split, Store, settings::Cascades};
+use shadow_scene::{FramePlan, FramePlanError, LayerName, Request, Scene, SceneLight, builtin, compare::compare};
 use shadow_tests::{
     cameras,
     lights::one_of_each,
@@ -45,6 +50,58 @@ fn every_fit_and_split_agrees_with_every_store() {
         }
     }
     assert!(failures.is_empty(), "{failures}");
+}
+
+/// Whatever the fit and the split, the automatic bias leaves nothing that shadows itself; between blended cascades, too.
+#[test]
+fn no_fit_or_split_has_acne() {
+    const PICTURE: (u32, u32) = (160, 90);
+    let renderer = CpuRenderer::new(2, RasterRules::default()).expect("the threads start");
+    for name in ["demo", "fence"] {
+        let scene = lit(name);
+        let prepared = renderer.prepare(&scene);
+        let tracer = Tracer::new(&scene, 2).expect("the threads start");
+        let view = CameraView::new(&scene.cameras()[0].camera, PICTURE.0, PICTURE.1);
+        let judge = Judge::new(&tracer, view, Sampling::default(), &|| {});
+        for cameras in cameras::all() {
+            for filter in [Filter::Hard, Filter::Bilinear] {
+                let settings = ShadowSettings { filter, map_size: 256, ..ShadowSettings::default() };
+                let case = format!("{name}, {}, {}", cameras.name, filter.name());
+                let plan = cameras.plan((&renderer, &prepared), &scene, &settings, PICTURE);
+                let plan = plan.unwrap_or_else(|error| panic!("{case}: {error}"));
+                let frame = renderer.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;
+                let counts = judge.judge(&plan, &frame).expect("the frame has what is judged").total();
+                // Beyond the end of shadows nothing is judged.
+                assert!(counts.judged > 1000 || cameras.shadow_distance.is_some(), "{case}: {counts:?}");
+                assert_eq!(counts.count(Cause::Acne), 0, "{case}: {counts:?}");
+            }
+        }
+    }
+}
+
+/// A camera that looks into the sky has a plan under every fit and split, with nothing in it.
+#[test]
+fn a_camera_that_sees_nothing_has_a_picture() {
+    let scene = lit("demo");
+    let renderer = CpuRenderer::new(1, RasterRules::default()).expect("the threads start");
+    let prepared = renderer.prepare(&scene);
+    let projection = Projection::Perspective { vertical_fov: 0.7, near: 0.1, far: None };
+    let camera = Camera::look_at(DVec3::new(0.0, 3.0, 3.0), DVec3::new(0.0, 30.0, 3.1), projection).expect("it looks up");
+    let seen = cameras::feedback((&renderer, &prepared), &scene, &camera, (64, 36)).expect("the camera can be planned");
+    assert!(seen.is_seen && seen.samples.is_empty());
+    for cameras in cameras::all() {
+        let settings = |light: &SceneLight| {
+            let filter = Filter::Hard;
+            cameras.of(ShadowSettings { filter, map_size: 128, ..ShadowSettings::default() }, light, &scene)
+        };
+        let plan = FramePlan::with_all(&scene, &camera, 128, |_, light| settings(light), (64, 36), None, &seen);
+        let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", cameras.name));
+        let frame = renderer.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;
+        for light in 0..scene.lights().len() as u32 {
+            let visibility = frame.floats(LayerName::Visibility { light }).expect("it was asked for");
+            assert!(visibility.iter().all(|&visible| visible == 1.0), "{}", cameras.name);
+        }
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use shadow_math::{
     Filter, Fit, Store,
     fit::FitOutcome,
-    plan::{LightPlan, SPLIT_CASCADES, ViewPlan},
+    plan::{LightPlan, SPLIT_CASCADES, SPLIT_CUBE, ViewPlan},
 };
 use shadow_scene::SceneLight;
 
@@ -16,7 +16,6 @@ use crate::{
     bias::{BiasNames, summary},
     console::{Console, print, print_json, table},
     error::CliError,
-    light_camera::split_name,
     light_drawing::light_drawing,
     output::{check_drawing_path, write_text},
     resolve::{Job, kind_name, view_names},
@@ -154,7 +153,11 @@ impl<'a> LightReport<'a> {
             name: &scene_light.name,
             kind: kind_name(&scene_light.light.kind),
             fit: settings.fit,
-            split: split_name(&settings.split),
+            split: match plan.split {
+                SPLIT_CUBE => "cube",
+                SPLIT_CASCADES => "cascades",
+                _ => "single",
+            },
             store: settings.store,
             bias: BiasReport {
                 name: BiasNames::of(settings.bias).0.to_string(),

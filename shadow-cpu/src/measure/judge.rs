@@ -6,7 +6,8 @@ use shadow_math::{
     LightKind, LightShape, MapAccess, Receiver,
     filter::filtered_test,
     plan::{LightPlan, ViewPlan},
-    visibility::{Lookup, NO_VIEW, choose_views, lookup, lookup_in_view},
+    vector::row_times_point,
+    visibility::{Choice, Lookup, NO_VIEW, choose_views, lookup, lookup_in_view, visibility_in_view},
 };
 use shadow_scene::{Frame, FrameMaps, FramePlan, Layer, LayerName, NO_TRIANGLE, Pixels, Scene, SceneLight};
 
@@ -184,7 +185,7 @@ impl<'a> Judge<'a> {
                 Pixels::Float(values) => Some(values.as_slice()),
                 _ => None,
             })?;
-            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], &weightiest_lookup, maps))
+            Ok(self.judge_light(plan, light, triangles, &|pixel, _| visibility[pixel], (&weightiest_lookup, true), maps))
         });
         let lights = judged.collect::<Result<_, _>>()?;
         Ok(Judgement { width: self.seen.view.width(), height: self.seen.view.height(), lights })
@@ -213,7 +214,7 @@ impl<'a> Judge<'a> {
         };
         // Where nothing is drawn, everything is lit.
         let visibility = |_: usize, receiver: Option<&Receiver>| receiver.map_or(1.0, answer);
-        self.judge_light(plan, light, triangles, &visibility, ask, Some(maps))
+        self.judge_light(plan, light, triangles, &visibility, (ask, false), Some(maps))
     }
 
     /// The values of a layer of the judge's size.
@@ -241,7 +242,7 @@ impl<'a> Judge<'a> {
         light: usize,
         triangles: &[u32],
         visibility: &(dyn Fn(usize, Option<&Receiver>) -> f32 + Sync),
-        ask: &Ask<'_>,
+        (ask, blends): (&Ask<'_>, bool),
         maps: Option<&Maps>,
     ) -> LightJudgement {
         let width = self.seen.view.width() as usize;
@@ -257,7 +258,7 @@ impl<'a> Judge<'a> {
                     let triangle = triangles[pixel];
                     let receiver =
                         (triangle != NO_TRIANGLE).then(|| receiver_at(self.tracer.scene(), plan, triangle, x as u32, y as u32));
-                    let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask, maps };
+                    let answer = Answer { receiver, visibility: visibility(pixel, receiver.as_ref()), ask, blends, maps };
                     let judged = self.judge_pixel(plan, light, (x as u32, y as u32), triangle, &answer, &mut rays);
                     let Some(JudgedPixel { found, error, is_at_terminator }) = judged else { continue };
                     counts.judged += 1;
@@ -292,7 +293,7 @@ impl<'a> Judge<'a> {
         answer: &Answer<'_>,
         rays: &mut Rays<'_>,
     ) -> Option<JudgedPixel> {
-        let Answer { receiver, visibility, ask, maps } = *answer;
+        let Answer { receiver, visibility, ask, blends, maps } = *answer;
         let scene = self.tracer.scene();
         let index = y as usize * self.seen.view.width() as usize + x as usize;
         let hit = &self.seen.hits[index];
@@ -307,6 +308,11 @@ impl<'a> Judge<'a> {
             let cause = is_wrong.then_some(Cause::Coverage);
             return shows_something.then_some(JudgedPixel { found: cause.map(Found::of), error, is_at_terminator: false });
         };
+        let light_plan = &plan.lights[light_index];
+        if row_times_point(light_plan.view_distance, receiver.point) > light_plan.shadow_far {
+            // Beyond the distance up to which there are to be shadows nothing is owed.
+            return None;
+        }
         let ray = self.seen.view.ray(x, y);
         let point = self.tracer.surface_point(hit, ray);
         let light = &scene.lights()[light_index];
@@ -318,12 +324,26 @@ impl<'a> Judge<'a> {
             if is_at_terminator {
                 return Found::of(Cause::Terminator);
             }
-            let lookup = ask(&plan.lights[light_index], &plan.views, &receiver);
-            let view = plan.views.get(lookup.view as usize);
             let corners = self.tracer.corners(triangle);
             let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
-            let taken = Taken { light, plan: &plan.lights[light_index], view, lookup, visibility, largest, maps };
-            cause_by_taps(&point, &taken, self.sees_center[place], rays)
+            let light_plan = &plan.lights[light_index];
+            let truth = f32::from(u8::from(self.sees_center[place]));
+            let mut cause_of = |lookup: Lookup, visibility: f32| {
+                let view = plan.views.get(lookup.view as usize);
+                let taken = Taken { light, plan: light_plan, view, lookup, visibility, largest, maps };
+                cause_by_taps(&point, &taken, self.sees_center[place], rays)
+            };
+            // Between two cascades the one that is wrong by itself is to blame; if both are, the one that counts more.
+            let blended = if blends { blended_views(light_plan, &plan.views, &receiver) } else { None };
+            if let (Some(indices), Some(maps)) = (blended, maps) {
+                for index in indices {
+                    let own = visibility_in_view(light_plan, &plan.views, &OfAnyKind(maps), index, &receiver);
+                    if own != truth {
+                        return cause_of(lookup_in_view(light_plan, &plan.views[index as usize], index, &receiver), own);
+                    }
+                }
+            }
+            cause_of(ask(light_plan, &plan.views, &receiver), visibility)
         });
         Some(JudgedPixel { found, error, is_at_terminator })
     }
@@ -343,6 +363,21 @@ pub(super) fn weightiest_lookup(light: &LightPlan, views: &[ViewPlan], receiver:
     lookup_in_view(light, &views[choice.second as usize], choice.second, receiver)
 }
 
+/// Both views that a receiver between two cascades asks, the one that counts more first; `None` elsewhere.
+fn blended_views(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) -> Option<[u32; 2]> {
+    let Choice { first, second, share, .. } = choose_views(light, views, receiver);
+    (first != NO_VIEW && share > 0.0).then_some(if share > 0.5 { [second, first] } else { [first, second] })
+}
+
+/// Shadow maps of any kind, for those who want to know which.
+struct OfAnyKind<'a>(&'a Maps<'a>);
+
+impl MapAccess for OfAnyKind<'_> {
+    fn fetch_texel(&self, layer: u32, x: u32, y: u32) -> f32 {
+        self.0.fetch_texel(layer, x, y)
+    }
+}
+
 /// Shadow maps of any kind.
 type Maps<'a> = dyn MapAccess + Sync + 'a;
 
@@ -355,6 +390,8 @@ struct Answer<'a> {
     receiver: Option<Receiver>,
     visibility: f32,
     ask: &'a Ask<'a>,
+    /// Whether two cascades may have answered together.
+    blends: bool,
     maps: Option<&'a Maps<'a>>,
 }
 

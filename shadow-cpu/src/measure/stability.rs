@@ -42,7 +42,7 @@ pub struct Stability {
     pub compared: u64,
     /// Of these, those whose visibility changes by more than a step of an 8-bit picture.
     pub changed: u64,
-    /// Points times lights that ask other maps, or blend them otherwise, at one moment than at the other: between cascades, or between the faces of a cube. They are not compared.
+    /// Points times lights that ask other maps at one moment than at the other: between cascades, or between the faces of a cube. They are not compared.
     pub other_maps: u64,
     /// Points that one of the two moments' cameras does not see: fits owe them nothing, and they are not compared.
     pub out_of_view: u64,
@@ -77,7 +77,7 @@ impl Stability {
                     let chosen = |moment: &Moment<'_, M>| {
                         let plan = &moment.plan.lights[light];
                         let choice = choose_views(plan, &moment.plan.views, &receiver);
-                        (choice.first.wrapping_sub(plan.first_view), choice.second.wrapping_sub(plan.first_view), choice.share)
+                        (choice.first.wrapping_sub(plan.first_view), choice.second.wrapping_sub(plan.first_view))
                     };
                     if chosen(before) != chosen(after) {
                         stability.other_maps += 1;

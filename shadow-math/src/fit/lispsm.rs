@@ -53,6 +53,10 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
     if !(sine > MIN_SINE) {
         return Err(FallBack::LightAlongView);
     }
+    if matches!(eye.camera.projection, crate::Projection::Orthographic { .. }) {
+        // Parallel rays of a camera see everything at one size: no warp is the best.
+        return Ok(LispsmWarp { toward_camera: -along.truncate() / sine, parameter: f64::INFINITY });
+    }
     let row = eye.distance_row();
     let distances = points.iter().map(|point| row.dot(point.extend(1.0)));
     let [near, far] = distances.fold([f64::INFINITY, 0.0], |[near, far]: [f64; 2], d| [near.min(d), far.max(d)]);

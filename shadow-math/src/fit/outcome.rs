@@ -6,7 +6,7 @@ pub enum FitOutcome {
     /// The fit that was asked for.
     #[default]
     Fitted,
-    /// The uniform fit: the one that was asked for does not exist here.
+    /// The fit that was asked for does not exist here. In place of a warp the map covers the same without one; in place of a plane's it is the uniform one.
     FellBackToUniform {
         /// What stands in its way.
         why: FallBack,

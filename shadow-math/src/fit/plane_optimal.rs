@@ -23,6 +23,9 @@ const PLANE_DEPTH: f64 = 0.99;
 /// The least distance from a perspective camera of a shadow on the plane over the height of its caster: lower ones would take all of the depth from the others.
 const MIN_HEIGHT_RATIO: f64 = 1e-6;
 
+/// The least sine of the angle at which a camera is taken to look down on a plane, for the size of texels that is told of a view.
+const LEAST_DOWNWARD: f64 = 1.0 / 6.0;
+
 /// The rows of a plane-optimal matrix but for its depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneOptimal {
@@ -169,9 +172,16 @@ impl PlaneOptimal {
         let world_from_view = DMat4::from_rotation_translation(rotation, position);
         let clip_z = clip_w * PLANE_DEPTH + plane * depth_factor;
         let clip_from_world = DMat4::from_cols(clip_x, clip_y, clip_z, clip_w).transpose();
-        // On the plane a texel is as wide as the camera's own share of the picture, at its near plane.
-        let texel = 2.0 * near * eye.camera.half_extent(eye.aspect) / f64::from(size);
-        let highest = 1.0 / -depth_factor;
+        // On the plane a texel is as wide as a pixel where the camera's axis meets it; an axis that does not meet it is taken to look down by a sixth.
+        let distance = if near == 1.0 && matches!(eye.camera.projection, crate::Projection::Orthographic { .. }) {
+            1.0
+        } else {
+            let downward = -normal.dot(eye.axis()) * plane.dot(eye.camera.eye.extend(1.0)).signum();
+            plane.dot(eye.camera.eye.extend(1.0)).abs() / downward.max(LEAST_DOWNWARD)
+        };
+        let texel = 2.0 * distance * eye.camera.half_extent(eye.aspect) / f64::from(size);
+        // A caster is highest there where depth is 0: at so many times w, which is the distance over the near plane's.
+        let highest = PLANE_DEPTH * distance / near / -depth_factor;
         let range = if is_perspective {
             DepthRange { near: light_height * RANGE_MARGIN, far: light_height }
         } else {
@@ -187,6 +197,16 @@ impl PlaneOptimal {
             half_space: self.half_space(),
             outcome: FitOutcome::Fitted,
             ..ViewFit::unwarped(size)
+        }
+    }
+
+    /// Whether the camera sees the side of the plane that the light shines on. From the other side nothing of the plane is lit, and the map would be a mirror image.
+    #[must_use]
+    pub fn faces(&self, eye: &Eye<'_>) -> bool {
+        if matches!(eye.camera.projection, crate::Projection::Perspective { .. }) {
+            self.plane.dot(eye.camera.eye.extend(1.0)) > 0.0
+        } else {
+            self.plane.truncate().dot(eye.axis()) < 0.0
         }
     }
 

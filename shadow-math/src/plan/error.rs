@@ -233,7 +233,7 @@ impl core::fmt::Display for PlanError {
                 f.write_str("a directional light has no position that a cube could surround; use a single map for it")
             }
             Self::CascadesOfCube => f.write_str(
-                "this light takes the six faces of a cube, which cascades do not split further; leave cascades to directional lights and to spot lights of at most 70 degrees",
+                "this light takes the six faces of a cube, which cascades do not split further; give it settings of its own (--light-settings) with the split single or cube, or leave cascades out",
             ),
             Self::NoCamera => f.write_str("this fit or split follows the camera; plan with a camera, or take the uniform fit and a single map"),
             Self::CascadeCount(count) => {
@@ -263,7 +263,7 @@ impl core::fmt::Display for PlanError {
                 "stabilised cascades are fitted to spheres, which the fit {} would undo; take the fit uniform, or leave stabilisation out",
                 fit.name()
             ),
-            Self::StabilisedLight => f.write_str("only cascades of a directional light can stand still: light from a place spreads, and its texels with it"),
+            Self::StabilisedLight => f.write_str("only cascades of a directional light can stand still: light from a place spreads, and its texels with it; give this light settings of its own (--light-settings), or leave stabilisation out"),
             Self::StabilisedMapSize(size) => {
                 let below = 1_u32 << size.max(&1).ilog2();
                 write!(

@@ -144,7 +144,9 @@ fn check_fit(light: &Light, settings: &ShadowSettings) -> Result<(), PlanError> 
         if let Some(&factor) = cascades.lispsm_factors.iter().find(|factor| !(factor.is_finite() && **factor >= 0.0)) {
             return Err(PlanError::LispsmFactor(factor));
         }
-        fits[1..].copy_from_slice(&cascades.fits);
+        // Those beyond the last cascade are nobody's.
+        let count = (cascades.count as usize).min(MAX_CASCADES);
+        fits[1..=count].copy_from_slice(&cascades.fits[..count]);
         if cascades.stabilised {
             if light.position().is_some() {
                 return Err(PlanError::StabilisedLight);
@@ -345,7 +347,8 @@ impl Fitting<'_> {
             }
             _ => Ok(boxed_view(frame, &content, size, self.guard)),
         };
-        view.unwrap_or_else(|why| uniform().in_place_of_another(why))
+        // Where no warp is the best one, the map is as tight without it.
+        view.unwrap_or_else(|why| boxed_view(frame, &content, size, self.guard).in_place_of_another(why))
     }
 
     /// The plane-optimal view.
@@ -353,7 +356,7 @@ impl Fitting<'_> {
         let given = self.settings.plane.map(|plane| DVec4::from_array(plane.map(f64::from)));
         let plane = given.or(eye.plane).ok_or(FallBack::NoPlane)?;
         let rows = plane_optimal(eye, plane, frame.light())?;
-        if !rows.is_seen(eye, range) {
+        if !rows.is_seen(eye, range) || !rows.faces(eye) {
             return Err(FallBack::PlaneOutOfView);
         }
         Ok(rows.view(eye, plane_depth_factor(&rows, self.subject.casters), self.settings.map_size))

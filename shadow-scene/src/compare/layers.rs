@@ -334,7 +334,7 @@ impl Judge<'_> {
         let name = LayerName::ShadowMap { light, view: found.view - plan.first_view };
         let (map_a, map_b) = self.needed(LayerName::Visibility { light }, name)?;
         let size = self.plan.map_size;
-        let inside = |v: i32| v >= 0 && v < size as i32;
+        let inside = |v: i32| v >= 0 && v < view.rect[2] as i32;
         let mut taps = Vec::new();
         for_each_weighted_tap(plan, found, |tap| taps.push(tap));
         // The bias that is read off the maps may differ with them.

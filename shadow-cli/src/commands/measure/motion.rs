@@ -7,7 +7,7 @@ use shadow_cpu::{
     resolve::ShadowMaps,
     trace::{SurfacePoint, Tracer},
 };
-use shadow_math::{Camera, LightKind, Projection};
+use shadow_math::{Camera, LightKind, Projection, Receiver, visibility::choose_views};
 use shadow_scene::{FramePlan, NO_TRIANGLE, Pixels, Request, Scene, SceneLight};
 
 use super::Technique;
@@ -15,7 +15,7 @@ use crate::{backend::OpenBackend, console::Console, error::CliError, resolve::Jo
 
 /// About as many points are watched: a share of a thousandth is then still twenty of them.
 const POINTS: usize = 20_000;
-/// How far the camera moves, in texels of the first map.
+/// How far the camera moves, in texels of the first light's maps, as wide as they are in the median.
 const MOVE_TEXELS: f64 = 0.3;
 /// How far the camera turns, in radians: 0.1 degrees.
 const TURN: f64 = 0.1 * core::f64::consts::PI / 180.0;
@@ -83,6 +83,19 @@ impl<'a> Motions<'a> {
         Self { job, tracer, points, relit: job.scene.clone().with_lights(lights) }
     }
 
+    /// The median width of a texel of the first light's maps where the points are that ask them, in metres; 0 if none does.
+    fn texel_metres(&self, plan: &FramePlan) -> f64 {
+        let Some(light) = plan.lights.first() else { return 0.0 };
+        let width = |point: &SurfacePoint| {
+            let receiver = Receiver::new(point.position.as_vec3(), point.normal.as_vec3());
+            let view = plan.views.get(choose_views(light, &plan.views, &receiver).first as usize)?;
+            Some(view.texel_width_at(point.position)).filter(|width| width.is_finite() && *width > 0.0)
+        };
+        let mut widths: Vec<f64> = self.points.iter().filter_map(width).collect();
+        widths.sort_unstable_by(f64::total_cmp);
+        widths.get(widths.len() / 2).copied().unwrap_or(0.0)
+    }
+
     /// What changes under a technique whose frame `plan` is, motion by motion.
     pub(super) fn stability(
         &self,
@@ -106,11 +119,7 @@ impl<'a> Motions<'a> {
             console.step();
             Ok::<_, CliError>(Stability::between(self.tracer, &self.points, &before, &after))
         };
-        let step = plan.views.first().map_or(0.0, |view| {
-            // At the far plane a perspective view's texels are largest.
-            let scale = if view.w_per_metre == 0.0 { 1.0 } else { f64::from(view.depth_range[1]) };
-            MOVE_TEXELS * f64::from(view.texel_metres[0]) * scale
-        });
+        let step = MOVE_TEXELS * self.texel_metres(plan);
         // Across and along the view, so that no axis stays as it was.
         let sideways = camera.orientation * DVec3::new(0.8, 0.0, 0.6);
         let moved = score(scene, &Camera { eye: camera.eye + sideways * step, ..*camera })?;
