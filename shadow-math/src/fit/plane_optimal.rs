@@ -210,7 +210,7 @@ impl PlaneOptimal {
         }
     }
 
-    /// Whether the camera sees any of the plane between two distances along its axis, in metres, within bounds.
+    /// Whether the camera sees any of the plane between two distances along its axis, in metres.
     #[must_use]
     pub fn is_seen(&self, eye: &Eye<'_>, [near, far]: [f64; 2]) -> bool {
         let Ok(slice) = Frustum::slice(&eye.camera, eye.aspect, near.max(0.0), far) else { return false };
