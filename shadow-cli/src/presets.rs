@@ -261,12 +261,15 @@ impl Engine {
         let by_kind = |directional: Sentences, spot: Sentences, point: Sentences| kind.pick([directional, spot, point]);
         let sentences: &[Sentences] = match self {
             Self::Ogre2006 => &[
-                &["a unit is taken for a metre", "the fit is uniform over the scene, where OGRE's follows the camera"],
+                &[
+                    "a unit is taken for a metre",
+                    "by itself the fit is uniform over the scene here, where OGRE's follows the camera (--fit ogre-uniform)",
+                ],
                 if kind == Kind::Point { &[ONE_CONE] } else { &[] },
             ],
             Self::Ogre112 => &[
                 &[
-                    "the fit is uniform over the scene, where OGRE's follows the camera (and without a far distance has almost no depth range left)",
+                    "by itself the fit is uniform over the scene here, where OGRE's follows the camera (--fit ogre-uniform; its own has almost no depth range left without a far distance)",
                 ],
                 if kind == Kind::Point { &[ONE_CONE] } else { &[] },
             ],
@@ -274,14 +277,14 @@ impl Engine {
                 &[
                     "depth_bias is taken as away from the light",
                     "the filter is the shadow sample's, where the shader generator takes four taps at 0.3 texels",
-                    "the fit is uniform over the scene, where OGRE's follows the camera",
+                    "by itself the fit is uniform over the scene here, where OGRE's follows the camera (--fit ogre-uniform)",
                 ],
                 if kind == Kind::Point { &[ONE_CONE] } else { &[] },
             ],
             Self::Mjp => &[
                 &[
                     "the static term of its receiver plane, a texel and at most 0.01 of the range, is here what snapping and rounding need",
-                    "there is one map, where the sample has four cascades",
+                    "by itself there is one map here, where the sample has four cascades (--split cascades)",
                 ],
                 if kind == Kind::Directional {
                     &[]
@@ -293,7 +296,7 @@ impl Engine {
                 &["depth is not reversed in the map, whose 16 bits have the same steps either way"],
                 if kind == Kind::Directional {
                     &[
-                        "the fit is uniform over the scene, where Filament clips it to what the camera sees",
+                        "by itself the fit is uniform over the scene here, where Filament clips it to what the camera sees (--fit focused)",
                         "nothing is warped by LiSPSM, which Filament does by default",
                     ]
                 } else {
@@ -305,7 +308,9 @@ impl Engine {
                     "the step along the normal is times the sine of its angle with the light, where Bevy's is the same at any angle",
                 ],
                 by_kind(
-                    &["there is one map over the scene, where Bevy has four cascades up to 150 m"],
+                    &[
+                        "by itself there is one map over the scene here, where Bevy has four cascades up to 150 m (--split cascades --shadow-distance 150)",
+                    ],
                     &["the depth bias is along the light's axis, where Bevy's is toward the light"],
                     &[
                         "the depth bias is along each face's axis, where Bevy's is toward the light",
@@ -340,7 +345,7 @@ impl Engine {
                 by_kind(
                     &[
                         "the step along the normal is times the sine of its angle with the light, where Godot's is across the light and times one minus the cosine",
-                        "there is one map over the scene, where Godot has four splits up to 100 m, each a quarter of the 4096 texels' area, with biases by split",
+                        "by itself there is one map over the scene here, where Godot has four splits up to 100 m, each a quarter of the 4096 texels' area (--split cascades --shadow-distance 100), with biases by split",
                     ],
                     &[
                         "the bias is 0.03 m, what Godot's addition to clip z is half-way through the default range of 5 m: nearer it is less there, farther more",

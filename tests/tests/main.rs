@@ -21,6 +21,7 @@ mod plane_optimal;
 mod poses;
 mod probe;
 mod program;
+mod program_cameras;
 mod program_files;
 mod program_presets;
 mod program_rival;
