@@ -214,7 +214,7 @@ fn finish(canvas: Canvas, legend: &[(&str, String)]) -> String {
     let width = 2.0 * SIDE + 3.0 * GAP;
     let height = 3.0 * GAP + SIDE + LINE * (legend.len() as f64 + 1.0);
     let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" font-size=\"12\" style=\"height:auto;max-width:100%\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     let id = &canvas.id;
