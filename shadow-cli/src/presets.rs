@@ -269,7 +269,7 @@ impl Engine {
             ],
             Self::Ogre112 => &[
                 &[
-                    "by itself the fit is uniform over the scene here, where OGRE's follows the camera (--fit ogre-uniform; its own has almost no depth range left without a far distance)",
+                    "by itself the fit is uniform over the scene here, where OGRE's follows the camera (--fit ogre-uniform, whose own depth range is almost nothing without a far distance)",
                 ],
                 if kind == Kind::Point { &[ONE_CONE] } else { &[] },
             ],
