@@ -175,9 +175,6 @@ impl LightCameraArgs {
                 format!("{len} values for {count} cascades; give one for each, or fewer, of which the last goes on"),
             ));
         }
-        if self.cascade_sizes.as_ref().is_some_and(|sizes| sizes.contains(&0)) {
-            return Err(wrong("cascade-sizes", "a map of 0 texels; give sizes from 16 to --map-size".into()));
-        }
         let is_lispsm =
             self.fit == Some(Fit::Lispsm) || self.cascade_fits.as_ref().is_some_and(|fits| fits.contains(&Fit::Lispsm));
         if self.lispsm_factors.is_some() && !is_lispsm {
@@ -222,12 +219,9 @@ impl LightCameraArgs {
             blend: self.cascade_blend.unwrap_or(default.blend),
             selection: self.cascade_select.unwrap_or_default(),
             stabilised: self.stabilise,
-            map_sizes: going_on(self.cascade_sizes.as_deref(), 0),
-            fits: going_on(
-                self.cascade_fits.as_ref().map(|fits| fits.iter().copied().map(Some).collect::<Vec<_>>()).as_deref(),
-                None,
-            ),
-            lispsm_factors: going_on(self.lispsm_factors.as_deref(), 1.0),
+            map_sizes: going_on(self.cascade_sizes.as_deref()),
+            fits: going_on(self.cascade_fits.as_deref()),
+            lispsm_factors: going_on(self.lispsm_factors.as_deref()).map(|factor| factor.unwrap_or(1.0)),
         })
     }
 
@@ -258,12 +252,10 @@ impl LightCameraArgs {
         said.cascade_blend = (cascades.blend != default.blend).then_some(cascades.blend);
         said.cascade_select = (cascades.selection != default.selection).then_some(cascades.selection);
         said.stabilise = cascades.stabilised;
-        let is_said = |is_default: bool| !is_default;
-        said.cascade_sizes = is_said(cascades.map_sizes == default.map_sizes).then(|| cascades.map_sizes[..count].to_vec());
-        said.cascade_fits = is_said(cascades.fits == default.fits)
-            .then(|| cascades.fits[..count].iter().map(|of_cascade| of_cascade.unwrap_or(fit)).collect());
-        said.lispsm_factors =
-            is_said(cascades.lispsm_factors == default.lispsm_factors).then(|| cascades.lispsm_factors[..count].to_vec());
+        said.cascade_sizes = of_cascades(&cascades.map_sizes[..count], settings.map_size);
+        said.cascade_fits = of_cascades(&cascades.fits[..count], fit);
+        let has_factors = cascades.lispsm_factors != default.lispsm_factors;
+        said.lispsm_factors = has_factors.then(|| cascades.lispsm_factors[..count].to_vec());
         said
     }
 }
@@ -297,10 +289,15 @@ pub(crate) fn summary(settings: &ShadowSettings) -> String {
     text
 }
 
-/// A list in as many places as there can be cascades: its last value goes on, and without one `default` does.
-fn going_on<T: Copy, const N: usize>(values: Option<&[T]>, default: T) -> [T; N] {
+/// A list in as many places as there can be cascades: its last value goes on.
+fn going_on<T: Copy, const N: usize>(values: Option<&[T]>) -> [Option<T>; N] {
     let values = values.unwrap_or(&[]);
-    core::array::from_fn(|place| values.get(place).or(values.last()).copied().unwrap_or(default))
+    core::array::from_fn(|place| values.get(place).or(values.last()).copied())
+}
+
+/// The values of cascades, of which those that have none take the settings' own; `None` if that is all of them.
+fn of_cascades<T: Copy>(values: &[Option<T>], of_settings: T) -> Option<Vec<T>> {
+    values.iter().any(Option::is_some).then(|| values.iter().map(|value| value.unwrap_or(of_settings)).collect())
 }
 
 /// A fit, by its name.
@@ -359,9 +356,8 @@ mod tests {
     /// What settings are said to be gives the same settings, as options and in a file.
     #[test]
     fn what_is_said_is_what_is_meant() {
-        let mut sizes = [0; MAX_CASCADES];
-        sizes[..4].copy_from_slice(&[2048, 1024, 512, 512]);
-        sizes[4..].fill(512);
+        let mut sizes = [Some(512); MAX_CASCADES];
+        sizes[..2].copy_from_slice(&[Some(2048), Some(1024)]);
         let mut ends = [0.0; MAX_CASCADES - 1];
         ends[..2].copy_from_slice(&[5.0, 20.5]);
         let cascades = Cascades::default();

@@ -70,7 +70,8 @@ impl Job {
         let size = (args.size.width, args.size.height);
         let map_size = shadowing.map_size();
         let feedback = feedback(&scene, &camera, &of_lights, size, Some((scene_name.as_str(), limit)))?;
-        let plan = FramePlan::with_all(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure, &feedback)?;
+        let plan =
+            FramePlan::with_feedback(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure, &feedback)?;
         let plan = composed(plan, &args.shadows)?;
         notes.extend(plan.notes.iter().cloned());
         notes.extend(shadowing.notes(&scene));

@@ -82,7 +82,7 @@ impl Shadowing {
     /// The plan of a picture of a scene.
     pub(crate) fn plan(&self, scene: &Scene, camera: &Camera, size: (u32, u32), ev: Option<f32>) -> Result<FramePlan, CliError> {
         let feedback = feedback(scene, camera, &self.kinds, size, None)?;
-        Ok(FramePlan::with_all(scene, camera, self.map_size(), |_, light| self.of(&light.light.kind), size, ev, &feedback)?)
+        Ok(FramePlan::with_feedback(scene, camera, self.map_size(), |_, light| self.of(&light.light.kind), size, ev, &feedback)?)
     }
 
     /// What of a preset is not as in the engine, for the kinds of light that the scene has.

@@ -84,7 +84,6 @@ pub mod spaces;
 pub mod bounds;
 pub mod camera;
 pub mod frustum;
-pub mod convex;
 pub mod polytope;
 pub mod rectangle;
 pub mod splits;

@@ -114,22 +114,6 @@ impl FramePlan {
         Self::with_settings_of(scene, camera, settings.map_size, |_, _| *settings, (width, height), ev)
     }
 
-    /// As [`Self::new`], with what the camera sees: for fits and splits that follow it.
-    ///
-    /// # Errors
-    ///
-    /// As [`FramePlan::with_settings_of`].
-    pub fn with_feedback(
-        scene: &Scene,
-        camera: &Camera,
-        settings: &ShadowSettings,
-        size: (u32, u32),
-        ev: Option<f32>,
-        feedback: &Feedback,
-    ) -> Result<Self, FramePlanError> {
-        Self::with_all(scene, camera, settings.map_size, |_, _| *settings, size, ev, feedback)
-    }
-
     /// Plans a picture of `size` pixels. `settings` says how a light is shadowed, by its index; all of them have maps of `map_size` texels, since these lie in one array.
     ///
     /// `ev` is an exposure value (EV at ISO 100); `None` chooses the exposure by a fixed rule from the lights
@@ -146,15 +130,15 @@ impl FramePlan {
         size: (u32, u32),
         ev: Option<f32>,
     ) -> Result<Self, FramePlanError> {
-        Self::with_all(scene, camera, map_size, settings, size, ev, &Feedback::default())
+        Self::with_feedback(scene, camera, map_size, settings, size, ev, &Feedback::default())
     }
 
-    /// As [`Self::with_settings_of`], with what the camera sees.
+    /// As [`Self::with_settings_of`], with what the camera sees: for fits and splits that follow it.
     ///
     /// # Errors
     ///
     /// As [`FramePlan::with_settings_of`].
-    pub fn with_all(
+    pub fn with_feedback(
         scene: &Scene,
         camera: &Camera,
         map_size: u32,

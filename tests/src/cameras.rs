@@ -30,8 +30,8 @@ pub fn all() -> Vec<Cameras> {
     let of_fit = |name, fit| Cameras { name, fit, ..one };
     let four = Cascades::default();
     let cascades = |name, fit, cascades| Cameras { name, fit, split: Split::Cascades(cascades), ..one };
-    let mut sizes = [0; 8];
-    sizes[1..4].copy_from_slice(&[96, 64, 48]);
+    let mut sizes = [None; 8];
+    sizes[1..4].copy_from_slice(&[Some(96), Some(64), Some(48)]);
     let mut fits = [None; 8];
     fits[..3].copy_from_slice(&[Some(Fit::Lispsm), Some(Fit::Focused), Some(Fit::Uniform)]);
     let mut factors = [1.0; 8];
@@ -108,7 +108,15 @@ impl Cameras {
     ) -> Result<FramePlan, FramePlanError> {
         let camera = &scene.cameras()[0].camera;
         let feedback = feedback((renderer, prepared), scene, camera, size)?;
-        FramePlan::with_all(scene, camera, settings.map_size, |_, light| self.of(*settings, light, scene), size, None, &feedback)
+        FramePlan::with_feedback(
+            scene,
+            camera,
+            settings.map_size,
+            |_, light| self.of(*settings, light, scene),
+            size,
+            None,
+            &feedback,
+        )
     }
 }
 

@@ -94,7 +94,7 @@ fn a_camera_that_sees_nothing_has_a_picture() {
             let filter = Filter::Hard;
             cameras.of(ShadowSettings { filter, map_size: 128, ..ShadowSettings::default() }, light, &scene)
         };
-        let plan = FramePlan::with_all(&scene, &camera, 128, |_, light| settings(light), (64, 36), None, &seen);
+        let plan = FramePlan::with_feedback(&scene, &camera, 128, |_, light| settings(light), (64, 36), None, &seen);
         let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", cameras.name));
         let frame = renderer.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;
         for light in 0..scene.lights().len() as u32 {

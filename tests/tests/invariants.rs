@@ -83,7 +83,21 @@ fn the_truth_knows_no_shadow_map() {
     let is_of_trace = |file: &str| file.ends_with("src/trace.rs") || file.contains("src/trace/");
     let of_trace: Vec<_> = all.into_iter().filter(|(file, _)| is_of_trace(file) && !file.ends_with("tests.rs")).collect();
     assert!(of_trace.len() > 500, "{} lines of the tracer", of_trace.len());
-    let modules = ["plan", "bias", "filter", "fit", "depth", "rounding", "visibility", "settings", "convex", "frustum"];
+    let modules = [
+        "plan",
+        "bias",
+        "filter",
+        "fit",
+        "depth",
+        "rounding",
+        "visibility",
+        "settings",
+        "polytope",
+        "rectangle",
+        "splits",
+        "aliasing",
+        "frustum",
+    ];
     for module in modules {
         assert_absent(&of_trace, &[&format!("shadow_math::{module}"), &format!("    {module}::"), &format!("{{{module}::")]);
     }

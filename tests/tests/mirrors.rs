@@ -197,12 +197,7 @@ const TABLE: &[Mirror] = &[
             output3(0u, ray.origin);
             output3(3u, ray.direction);",
         inputs_each: 3,
-        inputs: |world, random| {
-            random.groups(&[[0.0; 3], [0.0, 0.5, 0.5]], |random| {
-                let texel = [random.below(MAP_SIZE), random.below(MAP_SIZE)].map(|x| x as f32 + 0.5);
-                [random.below(world.globals.views.len() as u32) as f32, texel[0], texel[1]]
-            })
-        },
+        inputs: |world, random| world.views_and_texels(random),
         twin: |world, i| {
             let view = world.view(i[0]);
             let rays = &view.rays;
@@ -228,12 +223,7 @@ const TABLE: &[Mirror] = &[
             output3(0u, ray.origin);
             output3(3u, ray.direction);",
         inputs_each: 3,
-        inputs: |world, random| {
-            random.groups(&[[0.0; 3], [0.0, 0.5, 0.5]], |random| {
-                let pixel = [random.below(MAP_SIZE), random.below(MAP_SIZE)].map(|x| x as f32 + 0.5);
-                [random.below(world.globals.views.len() as u32) as f32, pixel[0], pixel[1]]
-            })
-        },
+        inputs: |world, random| world.views_and_texels(random),
         twin: |world, i| {
             let rays = world.view(i[0]).rays;
             let ray = pixel_ray(&rays, i[1], i[2]);

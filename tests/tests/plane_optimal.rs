@@ -38,7 +38,8 @@ fn a_planes_picture_is_the_truth() {
     let plane = seen.plane.expect("the camera sees a plane");
     assert!((plane - DVec4::Y).length() < 1e-6, "the floor is what most pixels show: {plane}");
     let settings = ShadowSettings { fit: Fit::PlaneOptimal, filter: Filter::Hard, map_size: SIZE, ..ShadowSettings::default() };
-    let plan = FramePlan::with_feedback(&scene, &camera, &settings, (SIZE, SIZE), None, &seen).expect("it can be planned");
+    let plan =
+        FramePlan::with_feedback(&scene, &camera, SIZE, |_, _| settings, (SIZE, SIZE), None, &seen).expect("it can be planned");
     assert_eq!(plan.views.len(), scene.lights().len(), "each light has one map, the point light too");
     let frame = renderer.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;
     let tracer = Tracer::new(&scene, 2).expect("the threads start");

@@ -67,12 +67,6 @@ impl Eye<'_> {
             Projection::Orthographic { near, far, .. } => [near, far],
         }
     }
-
-    /// The vector along which the distance from the camera grows at a point: its axis.
-    #[must_use]
-    pub fn axis(&self) -> DVec3 {
-        self.camera.direction()
-    }
 }
 
 /// Between which distances from the camera, along its axis in metres, there is anything to be seen; `None` where there is nothing.
@@ -95,7 +89,7 @@ pub fn visible_range(eye: &Eye<'_>, bounds: Aabb, shadow_distance: f64) -> Optio
     };
     narrow(&mut bounds.corners().into_iter());
     if !eye.samples.is_empty() {
-        // A sample is a point of its pixel's surface, which goes on for half a pixel on each side.
+        // Receivers are these points and no others: nothing is added but rounding, below.
         narrow(&mut eye.samples.iter().copied());
     }
     // A surface that faces the camera has one distance alone: rounding gives it a second one.

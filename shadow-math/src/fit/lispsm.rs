@@ -48,7 +48,7 @@ pub fn optimal_warp(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3]) -> Resu
     use crate::float::FloatFuncs;
     /// The sine of the least angle between view and light that has a direction: single precision, in which lights are given, tells no less.
     const MIN_SINE: f64 = 4.0 * f32::EPSILON as f64;
-    let along = frame.rotation.inverse() * eye.axis();
+    let along = frame.rotation.inverse() * eye.camera.direction();
     let sine = along.truncate().length();
     if !(sine > MIN_SINE) {
         return Err(FallBack::LightAlongView);

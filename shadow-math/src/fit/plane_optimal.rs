@@ -90,7 +90,7 @@ pub fn plane_optimal(eye: &Eye<'_>, plane: DVec4, light: DVec4) -> Result<PlaneO
     let is_in_plane = if is_perspective {
         !(eye_height.abs() > MIN_SINE * eye.planes()[0])
     } else {
-        !(plane.truncate().dot(eye.axis()).abs() > MIN_SINE)
+        !(plane.truncate().dot(eye.camera.direction()).abs() > MIN_SINE)
     };
     if is_in_plane {
         return Err(FallBack::CameraInPlane);
@@ -173,10 +173,10 @@ impl PlaneOptimal {
         let clip_z = clip_w * PLANE_DEPTH + plane * depth_factor;
         let clip_from_world = DMat4::from_cols(clip_x, clip_y, clip_z, clip_w).transpose();
         // On the plane a texel is as wide as a pixel where the camera's axis meets it; an axis that does not meet it is taken to look down by a sixth.
-        let distance = if near == 1.0 && matches!(eye.camera.projection, crate::Projection::Orthographic { .. }) {
+        let distance = if matches!(eye.camera.projection, crate::Projection::Orthographic { .. }) {
             1.0
         } else {
-            let downward = -normal.dot(eye.axis()) * plane.dot(eye.camera.eye.extend(1.0)).signum();
+            let downward = -normal.dot(eye.camera.direction()) * plane.dot(eye.camera.eye.extend(1.0)).signum();
             plane.dot(eye.camera.eye.extend(1.0)).abs() / downward.max(LEAST_DOWNWARD)
         };
         let texel = 2.0 * distance * eye.camera.half_extent(eye.aspect) / f64::from(size);
@@ -206,7 +206,7 @@ impl PlaneOptimal {
         if matches!(eye.camera.projection, crate::Projection::Perspective { .. }) {
             self.plane.dot(eye.camera.eye.extend(1.0)) > 0.0
         } else {
-            self.plane.truncate().dot(eye.axis()) < 0.0
+            self.plane.truncate().dot(eye.camera.direction()) < 0.0
         }
     }
 

@@ -74,7 +74,7 @@ pub fn stabilised_view(
     let texel = 2.0 * sphere.radius / (f64::from(size) - 2.0 * f64::from(guard) - 1.0);
     let half = 0.5 * texel * f64::from(size);
     let light_from_world = DMat4::from_quat(frame.rotation.inverse());
-    let middle = eye.camera.eye + eye.axis() * sphere.distance;
+    let middle = eye.camera.eye + eye.camera.direction() * sphere.distance;
     // In whole texels from the world's origin; the scene's own is taken off again, as exactly.
     let in_world = light_from_world.transform_vector3(middle + subject.origin).truncate() / texel;
     let whole = DVec2::new((in_world.x + 0.5).floor(), (in_world.y + 0.5).floor());

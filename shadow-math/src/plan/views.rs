@@ -38,8 +38,8 @@ pub fn view_count(light: &Light, settings: &ShadowSettings) -> Result<usize, Pla
         Split::Cube => Ok(CUBE_FACES.len()),
         Split::Cascades(_) if takes_cube => Err(PlanError::CascadesOfCube),
         Split::Cascades(Cascades { count, .. }) => {
-            let count_usize = count as usize;
-            if (1..=MAX_CASCADES).contains(&count_usize) { Ok(count_usize) } else { Err(PlanError::CascadeCount(count)) }
+            let views = count as usize;
+            if (1..=MAX_CASCADES).contains(&views) { Ok(views) } else { Err(PlanError::CascadeCount(count)) }
         }
     }
 }
@@ -101,9 +101,8 @@ pub(super) fn plan_views(
             fitting.check_size(settings.map_size)?;
             let count = views.len();
             let face_of = |view: usize| if count == 1 { None } else { Some(view) };
-            let is_of_all = matches!(settings.fit, Fit::PlaneOptimal | Fit::OgreUniform);
             let mut why = None;
-            if is_of_all {
+            if settings.fit.makes_one_map() {
                 match fitting.of_all(face_of(0))? {
                     Ok(fit) => {
                         write(&mut views[0], &fit);
@@ -133,7 +132,9 @@ fn check_fit(light: &Light, settings: &ShadowSettings) -> Result<(), PlanError> 
             return Err(PlanError::Plane(plane));
         }
     }
-    let mut fits = [Some(settings.fit), None, None, None, None, None, None, None, None];
+    // The settings' own, and those of single cascades.
+    let mut fits = [None; 1 + MAX_CASCADES];
+    fits[0] = Some(settings.fit);
     if let Split::Cascades(cascades) = settings.split {
         if !(cascades.padding.is_finite() && cascades.padding >= 0.0) {
             return Err(PlanError::Padding(cascades.padding));
@@ -155,8 +156,7 @@ fn check_fit(light: &Light, settings: &ShadowSettings) -> Result<(), PlanError> 
                 return Err(PlanError::StabilisedFit(fit));
             }
         }
-        let is_whole = |fit: &Fit| matches!(fit, Fit::PlaneOptimal | Fit::OgreUniform);
-        if let Some(fit) = fits.into_iter().flatten().find(is_whole) {
+        if let Some(fit) = fits.into_iter().flatten().find(|fit| fit.makes_one_map()) {
             return Err(PlanError::FitOfCascades(fit));
         }
     }
@@ -484,9 +484,9 @@ impl Fitting<'_> {
     fn map_size_of(&self, cascades: &Cascades, cascade: usize) -> Result<u32, PlanError> {
         let most = self.settings.map_size;
         match cascades.map_sizes[cascade] {
-            0 => Ok(most),
-            size if (MIN_MAP_SIZE..=most).contains(&size) => Ok(size),
-            size => Err(PlanError::CascadeMapSize { size, most }),
+            None => Ok(most),
+            Some(size) if (MIN_MAP_SIZE..=most).contains(&size) => Ok(size),
+            Some(size) => Err(PlanError::CascadeMapSize { size, most }),
         }
     }
 
@@ -549,6 +549,6 @@ fn ogre_axis_and_parameter(frame: &LightFrame, eye: &Eye<'_>, points: &[DVec3], 
     let distances = points.iter().map(|&point| (point, row.dot(point.extend(1.0))));
     let start = (eye.camera.eye, f64::INFINITY);
     let (point, distance) = distances.fold(start, |nearest, this| if this.1 < nearest.1 { this } else { nearest });
-    let cosine = eye.axis().dot(frame.rotation * DVec3::NEG_Z).abs();
+    let cosine = eye.camera.direction().dot(frame.rotation * DVec3::NEG_Z).abs();
     (point, ogre_warp(distance, planes, ADJUST, ogre_tweak(cosine, OGRE_THRESHOLD)))
 }

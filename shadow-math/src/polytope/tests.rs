@@ -1,6 +1,7 @@
 //! Bodies of which it is known what a cut leaves of them.
 
 mod brute_force;
+mod faces;
 
 use glam::Vec3;
 

@@ -44,6 +44,12 @@ impl Fit {
         }
     }
 
+    /// Whether there is one map of all that is seen, for any kind of light: it cannot be split.
+    #[must_use]
+    pub fn makes_one_map(self) -> bool {
+        matches!(self, Self::PlaneOptimal | Self::OgreUniform)
+    }
+
     /// Whether views are warped: their w is no distance along the axis.
     #[must_use]
     pub fn is_warped(self) -> bool {
@@ -94,8 +100,8 @@ pub struct Cascades {
     pub selection: Selection,
     /// Whether the texels of each map stay where they are while the camera moves and turns: for directional lights and the uniform fit, with maps of a power of two.
     pub stabilised: bool,
-    /// The size of each cascade's map in texels, a square's side; 0 for the settings' `map_size`, which none may exceed.
-    pub map_sizes: [u32; MAX_CASCADES],
+    /// The size of each cascade's map in texels, a square's side; `None` for the settings' `map_size`, which none may exceed.
+    pub map_sizes: [Option<u32>; MAX_CASCADES],
     /// The fit of each cascade; `None` for the settings' `fit`.
     pub fits: [Option<Fit>; MAX_CASCADES],
     /// What the warp's parameter is multiplied by in each cascade, of those that LiSPSM fits: 1 is the best by Wimmer et al., more warps less, and 0 does not warp at all, as OGRE has it.
@@ -112,7 +118,7 @@ impl Default for Cascades {
             blend: 0.0,
             selection: Selection::default(),
             stabilised: false,
-            map_sizes: [0; MAX_CASCADES],
+            map_sizes: [None; MAX_CASCADES],
             fits: [None; MAX_CASCADES],
             lispsm_factors: [1.0; MAX_CASCADES],
         }

@@ -135,8 +135,8 @@ fn blends_take_their_share_and_the_last_cascade_none() {
 
 #[test]
 fn maps_have_the_sizes_that_are_given() {
-    let mut map_sizes = [0; MAX_CASCADES];
-    (map_sizes[1], map_sizes[2]) = (512, 256);
+    let mut map_sizes = [None; MAX_CASCADES];
+    (map_sizes[1], map_sizes[2]) = (Some(512), Some(256));
     let (_, views) = plan(Cascades { map_sizes, ..Cascades::default() });
     assert_eq!(views.iter().map(|view| view.rect[2]).collect::<Vec<_>>(), [2048, 512, 256, 2048]);
     assert!(views.iter().all(|view| view.outcome() == FitOutcome::Fitted));
@@ -154,14 +154,15 @@ fn what_has_no_meaning_is_refused() {
         (Cascades { padding: f32::INFINITY, ..default }, PlanError::Padding(f32::INFINITY)),
         (Cascades { blend: 1.5, ..default }, PlanError::Blend(1.5)),
         (Cascades { lispsm_factors: [-2.0; MAX_CASCADES], ..default }, PlanError::LispsmFactor(-2.0)),
-        (Cascades { map_sizes: [4096; MAX_CASCADES], ..default }, PlanError::CascadeMapSize { size: 4096, most: 2048 }),
-        (Cascades { map_sizes: [15; MAX_CASCADES], ..default }, PlanError::CascadeMapSize { size: 15, most: 2048 }),
+        (Cascades { map_sizes: [Some(4096); MAX_CASCADES], ..default }, PlanError::CascadeMapSize { size: 4096, most: 2048 }),
+        (Cascades { map_sizes: [Some(15); MAX_CASCADES], ..default }, PlanError::CascadeMapSize { size: 15, most: 2048 }),
+        (Cascades { map_sizes: [Some(0); MAX_CASCADES], ..default }, PlanError::CascadeMapSize { size: 0, most: 2048 }),
         (Cascades { fits: [Some(Fit::PlaneOptimal); MAX_CASCADES], ..default }, PlanError::FitOfCascades(Fit::PlaneOptimal)),
         (
             Cascades { fits: [Some(Fit::Focused); MAX_CASCADES], stabilised: true, ..default },
             PlanError::StabilisedFit(Fit::Focused),
         ),
-        (Cascades { map_sizes: [1000; MAX_CASCADES], stabilised: true, ..default }, PlanError::StabilisedMapSize(1000)),
+        (Cascades { map_sizes: [Some(1000); MAX_CASCADES], stabilised: true, ..default }, PlanError::StabilisedMapSize(1000)),
     ];
     for (cascades, expected) in cases {
         assert_eq!(refused(&of(cascades)), expected);
@@ -185,12 +186,12 @@ fn what_has_no_meaning_is_refused() {
 #[test]
 fn a_map_without_room_for_its_filter_is_refused() {
     let with = |smallest: u32, selection| {
-        let mut map_sizes = [0; MAX_CASCADES];
-        map_sizes[3] = smallest;
+        let mut map_sizes = [None; MAX_CASCADES];
+        map_sizes[3] = Some(smallest);
         let settings = of(Cascades { map_sizes, selection, ..Cascades::default() });
         plan_with(&sun(), &ShadowSettings { filter: Filter::Box9, ..settings }, &[], true)
     };
-    let (plan, _) = with(0, Selection::Depth).expect("2048 texels are enough");
+    let (plan, _) = with(2048, Selection::Depth).expect("2048 texels are enough");
     let guard = plan.guard_texels as u32;
     let refused = |guard| PlanError::MapTooSmallForFilter { size: 2 * guard + 1, filter: Filter::Box9, guard };
     assert_eq!(with(2 * guard + 1, Selection::Depth).expect_err("a texel is left, by which maps are moved"), refused(guard));

@@ -201,7 +201,7 @@ fn cascades(random: &mut Random, size: f64, fits: &[Fit], is_parallel: bool) -> 
         blend: if random.once_in(2) { 0.0 } else { random.between(0.0, 1.0) as f32 },
         selection: random.of(&[Selection::Depth, Selection::Containment]),
         stabilised,
-        map_sizes: core::array::from_fn(|_| random.of(&[0, 64])),
+        map_sizes: core::array::from_fn(|_| random.of(&[None, Some(64)])),
         fits: fits_of_each,
         lispsm_factors: core::array::from_fn(|_| random.of(&[0.0, 0.3, 1.0, 4.0])),
     }

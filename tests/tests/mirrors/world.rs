@@ -122,6 +122,14 @@ impl World {
         }
     }
 
+    /// Views, and centres of their texels.
+    pub(super) fn views_and_texels(&self, random: &mut Random) -> Vec<f32> {
+        random.groups(&[[0.0; 3], [0.0, 0.5, 0.5]], |random| {
+            let texel = [random.below(MAP_SIZE), random.below(MAP_SIZE)].map(|x| x as f32 + 0.5);
+            [random.below(self.globals.views.len() as u32) as f32, texel[0], texel[1]]
+        })
+    }
+
     /// A light, and a point in or near the scene; now and then the light's own position.
     pub(super) fn light_and_point(&self, random: &mut Random) -> [f32; 4] {
         let light = random.below(self.globals.lights.len() as u32);

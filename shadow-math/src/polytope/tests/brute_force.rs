@@ -3,10 +3,9 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 use proptest::prelude::*;
 
-use super::{directions, perspective};
+use super::{directions, faces::common_points, perspective};
 use crate::{
     bounds::Aabb,
-    convex,
     polytope::{MAX_VERTICES, Polytope, TOLERANCE, box_planes, shadow_planes},
 };
 
@@ -16,6 +15,17 @@ const SLACK: f64 = 2.0 * TOLERANCE;
 
 /// How far apart two ways to the same extent may be, as a share of the largest coordinate: each of up to 32 planes moves a vertex by the tolerance.
 const EXTENT_SLACK: f64 = 64.0 * TOLERANCE;
+
+/// Whether a point lies in a body, but for the slack of a body with coordinates up to `largest`.
+fn check_within(body: &Polytope, point: DVec3, largest: f64) -> Result<(), TestCaseError> {
+    prop_assert!(!body.is_empty(), "{} is missing", point);
+    for direction in directions() {
+        let (min, max) = body.extent_along(direction);
+        let beyond = (min - direction.dot(point)).max(direction.dot(point) - max);
+        prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside {:?}", point, beyond, body.vertices());
+    }
+    Ok(())
+}
 
 fn largest(body: &Polytope) -> f64 {
     body.vertices().iter().fold(0.0_f64, |largest, point| largest.max(point.abs().max_element()))
@@ -181,12 +191,7 @@ proptest! {
         let largest = largest(&start.body);
         let (body, planes) = cut_body(&start, &cuts);
         for corner in corners(&planes) {
-            prop_assert!(!body.is_empty(), "{} is missing", corner);
-            for direction in directions() {
-                let (min, max) = body.extent_along(direction);
-                let beyond = (min - direction.dot(corner)).max(direction.dot(corner) - max);
-                prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside {:?}", corner, beyond, body.vertices());
-            }
+            check_within(&body, corner, largest)?;
         }
     }
 
@@ -203,12 +208,7 @@ proptest! {
         for at in samples {
             let point = min + DVec3::from(at) * (max - min);
             if planes.iter().all(|plane| plane.dot(point.extend(1.0)) >= 0.0) {
-                prop_assert!(!body.is_empty(), "{} is missing", point);
-                for direction in directions() {
-                    let (min, max) = body.extent_along(direction);
-                    let beyond = (min - direction.dot(point)).max(direction.dot(point) - max);
-                    prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside", point, beyond);
-                }
+                check_within(&body, point, largest)?;
             }
         }
     }
@@ -240,12 +240,7 @@ proptest! {
             }
         }
         for corner in corners(&planes) {
-            prop_assert!(!body.is_empty(), "{} is missing", corner);
-            for direction in directions() {
-                let (min, max) = body.extent_along(direction);
-                let beyond = (min - direction.dot(corner)).max(direction.dot(corner) - max);
-                prop_assert!(beyond <= EXTENT_SLACK * largest, "{} lies {} m outside {:?}", corner, beyond, body.vertices());
-            }
+            check_within(&body, corner, largest)?;
         }
     }
 
@@ -265,12 +260,12 @@ proptest! {
         body.clip_to_bounds(bounds);
         let mut other = Polytope::from_bounds(bounds);
         frustum.planes().into_iter().for_each(|plane| other.clip(plane));
-        let faces = convex::intersect(&frustum, bounds);
+        let points = common_points(&frustum, bounds);
         for direction in directions() {
-            let along = faces.as_slice().iter().map(|point| direction.dot(*point));
+            let along = points.iter().map(|point| direction.dot(*point));
             let (min, max) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), at| (min.min(at), max.max(at)));
             // Two solids that only touch can have nothing in common under one rounding and a point under the other.
-            if faces.as_slice().is_empty() || body.is_empty() || other.is_empty() {
+            if points.is_empty() || body.is_empty() || other.is_empty() {
                 continue;
             }
             for (least, greatest) in [body.extent_along(direction), other.extent_along(direction)] {
