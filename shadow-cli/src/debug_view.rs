@@ -177,7 +177,8 @@ fn plan_for(wanted: &Wanted<'_>, light: usize, plan: &FramePlan) -> FramePlan {
             let view = plan.views_of(light)[wanted.light_view];
             // The camera's depth is reversed; a view that is not so becomes it by w - z.
             let reversed = |z: f32, w: f32| if view.depth_kind == DEPTH_Z_OVER_W { w - z } else { z };
-            let clip_z = [0, 1, 2, 3].map(|i| reversed(view.clip_z[i], view.clip_w[i]));
+            // All casters are shown, as they are drawn.
+            let clip_z = [0, 1, 2, 3].map(|i| reversed(view.drawn_z[i], view.clip_w[i]));
             plan.camera = CameraPlan {
                 clip_x: view.clip_x,
                 clip_y: view.clip_y,

@@ -89,6 +89,13 @@ pub(crate) struct LightCameraArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) lispsm_factors: Option<Vec<f32>>,
 
+    /// Give the depth of maps to what is seen alone, and draw casters beyond onto its near and far planes
+    ///
+    /// Steps of depth16 and depth24 are then shares of what is seen, and not of the way to the highest caster. Not for the stores second and midpoint.
+    #[arg(long, help_heading = "Light cameras")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) pancake: bool,
+
     /// How far from the camera, along its axis in metres, there are shadows [default: as far as anything is seen]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Light cameras")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -157,7 +164,8 @@ impl LightCameraArgs {
             }
         };
         let fit_from = self.fit_from.unwrap_or_default();
-        Ok(ShadowSettings { fit, fit_from, split, plane: self.plane, shadow_distance: self.shadow_distance, ..settings })
+        let Self { plane, pancake, shadow_distance, .. } = *self;
+        Ok(ShadowSettings { fit, fit_from, split, plane, pancake, shadow_distance, ..settings })
     }
 
     fn cascades(&self) -> Result<Cascades, LightCameraError> {
@@ -228,11 +236,12 @@ impl LightCameraArgs {
     /// What would have to be said for these settings.
     pub(crate) fn saying(settings: &ShadowSettings) -> Self {
         let default = Cascades::default();
-        let ShadowSettings { fit, fit_from, plane, shadow_distance, split, .. } = *settings;
+        let ShadowSettings { fit, fit_from, plane, pancake, shadow_distance, split, .. } = *settings;
         let mut said = Self {
             fit: Some(fit),
             fit_from: (fit_from != FitFrom::default()).then_some(fit_from),
             plane,
+            pancake,
             shadow_distance,
             split: Some(split_name(&split).into()),
             ..Self::default()
@@ -285,6 +294,9 @@ pub(crate) fn summary(settings: &ShadowSettings) -> String {
             text.push_str(&format!(", {} {stabilised}cascades", cascades.count));
         }
         _ => {}
+    }
+    if settings.pancake {
+        text.push_str(", pancaked");
     }
     text
 }
@@ -390,6 +402,7 @@ mod tests {
                     split,
                     plane,
                     shadow_distance: Some(40.0),
+                    pancake: fit != Fit::Focused,
                     fit_from: FitFrom::Samples,
                     ..ShadowSettings::default()
                 };

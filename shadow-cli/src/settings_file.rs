@@ -65,6 +65,9 @@ split = "single"
 # cascade-fits = ["lispsm", "focused"]
 # lispsm-factors = [1.0]
 
+# Whether the depth of maps is for what is seen alone, and casters beyond are drawn onto its near and far planes: not for "second" and "midpoint".
+# pancake = false
+
 # How far from the camera there are shadows, in metres; left out, as far as anything is seen.
 # shadow-distance = 100.0
 
@@ -154,6 +157,7 @@ struct File {
     cascade_sizes: Option<Vec<u32>>,
     cascade_fits: Option<Vec<Fit>>,
     lispsm_factors: Option<Vec<f32>>,
+    pancake: bool,
     shadow_distance: Option<f32>,
     store: Store,
     texels: Texels,
@@ -275,6 +279,7 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
         cascade_sizes: file.cascade_sizes,
         cascade_fits: file.cascade_fits,
         lispsm_factors: file.lispsm_factors,
+        pancake: file.pancake,
         shadow_distance: file.shadow_distance,
     };
     let File { name, store, texels, filter, terminator, .. } = file;

@@ -76,7 +76,7 @@ fn bare_pass(bencher: Bencher<'_, '_>, triangles: u32, map_size: u32, draws_tria
     let prepared = waves(triangles);
     let scene = prepared.view().scene;
     let view = plan(prepared, &ShadowSettings::default()).views[0];
-    let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width: map_size, height: map_size };
+    let target = Target { clip_rows: view.drawn_rows(), width: map_size, height: map_size };
     let all = Run { triangles: 0..scene.triangles().len() as u32, culling: Culling::None, is_masked: false };
     let runs = if draws_triangles { vec![all] } else { Vec::new() };
     let positions = Positions::new(&scene.vertices().positions);

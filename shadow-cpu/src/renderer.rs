@@ -156,7 +156,7 @@ impl CpuRenderer {
         let with_maps = plan.views.iter().enumerate().filter(|(_, view)| view.has_map());
         let layers = with_maps.map(|(index, view)| {
             let [_, _, width, height] = view.rect;
-            let target = Target { clip_rows: [view.clip_x, view.clip_y, view.clip_z, view.clip_w], width, height };
+            let target = Target { clip_rows: view.drawn_rows(), width, height };
             let alpha_test = ViewTest { view: prepared.view(), plan: view };
             let culling = if plan.takes_back_faces(index) { Culling::Front } else { Culling::None };
             let mut runs = runs(prepared.scene, culling, Pass::casts_shadows);

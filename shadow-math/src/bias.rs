@@ -93,8 +93,8 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32, axis_
 /// How far a lookup is moved along the unit normal `normal`, in metres, in place of a depth bias; 0 where it stays.
 ///
 /// `point` is in metres relative to the scene's origin, `w` its clip w, above 0, and `needed` what [`needed_depth`] gives there. Only the automatic bias moves lookups,
-/// and only where the plane is steeper toward the light than [`OFFSET_SLOPE`]. A plane that needs the whole range of depth, as one that is seen edge-on does, stays where it
-/// is: [`depth_bias`] then leaves it lit.
+/// and only where the plane is steeper toward the light than [`OFFSET_SLOPE`]. A plane that needs the whole range of depth between the casters' planes, as one that is seen edge-on
+/// does, stays where it is: [`depth_bias`] then leaves it lit.
 ///
 /// Let `h` be the normal's component along the vector from the point to the light: its height over the plane for a light at a place, the cosine for
 /// a directional one. A point `s` above the plane is nearer to the light than the plane is, along its own ray, by the depth
@@ -105,7 +105,7 @@ pub fn depth_bias(light: &LightPlan, view: &ViewPlan, needed: f32, w: f32, axis_
 #[inline(always)]
 #[must_use]
 pub fn normal_offset(light: &LightPlan, view: &ViewPlan, point: Vec3, normal: Vec3, needed: f32, w: f32) -> f32 {
-    if light.bias != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS) {
+    if light.bias != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS.max(view.drawn_scale)) {
         return 0.0;
     }
     let toward = toward_light(light, point);

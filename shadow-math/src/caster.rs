@@ -40,7 +40,7 @@ pub fn texel_ray(view: &ViewPlan, x: f32, y: f32) -> Ray {
     ray
 }
 
-/// How much deeper a triangle is drawn, in depth from 0 to 1, wherever it is.
+/// How much deeper a triangle is drawn, in depth as it is drawn, wherever it is: what follows is in the view's own depth, of which a pancaked view has more to a metre.
 ///
 /// The corners are in metres relative to the scene's origin. A triangle without a normal, or one that the light sees edge-on, is as steep as can be.
 /// The unit r of a polygon offset is a step of the map's format: one of `depth_steps`, or for floats `2^(e - 23)` with e the exponent of the largest depth of the corners (Direct3D 11.3, section 15.10; WebGPU says the same).
@@ -60,8 +60,11 @@ pub fn caster_offset(view: &ViewPlan, v0: Vec3, v1: Vec3, v2: Vec3) -> f32 {
         let largest = corner_depth(view, v0).max(corner_depth(view, v1)).max(corner_depth(view, v2));
         unit = depth_unit(view, largest);
     }
-    let offset = slope * view.caster_slope + unit * view.caster_units;
-    offset.min(view.caster_limit)
+    let mut offset = (slope * view.caster_slope + unit * view.caster_units).min(view.caster_limit);
+    if view.drawn_scale > 0.0 {
+        offset /= view.drawn_scale;
+    }
+    offset
 }
 
 /// The depth of a corner, from 0 to 1; 0 behind the light, where what is left of the triangle begins at the near plane.

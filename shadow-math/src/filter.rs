@@ -41,7 +41,7 @@ pub const FOOTPRINT_TESTS_PER_TEXEL: f32 = 2.0;
 const FOOTPRINT_GUARD: u32 = 8;
 
 /// By how many texels a step of one texel along the normal can move a lookup: in the map of the widest spot light.
-const MOST_OF_A_STEP: f32 = 2.5;
+pub(crate) const MOST_OF_A_STEP: f32 = 2.5;
 
 /// Texels that stay free on every side of a fit: the reach of the filter from a receiver at the rim, what the bias moves a lookup by, and one for
 /// rounding.
@@ -52,16 +52,22 @@ const MOST_OF_A_STEP: f32 = 2.5;
 pub fn guard_texels(light: &LightPlan, bias: Bias) -> u32 {
     // Rounds up: a reach is at most 17 texels.
     let up = |texels: f32| floor(texels + 0.999) as u32;
-    let reach = match light.filter {
-        FILTER_DISC => up(light.filter_reach + 0.5),
-        FILTER_HARD | FILTER_BILINEAR | FILTER_SEPARABLE | FILTER_CROSS => up(light.filter_reach),
-        _ => FOOTPRINT_GUARD,
-    };
+    let reach = up(farthest_tap(light));
     let moved = match bias {
         Bias::Automatic => 3 * reach,
         Bias::Parts(_) => up(MOST_OF_A_STEP * light.normal_texels),
     };
     reach + moved + 1
+}
+
+/// How far on each axis the weighted taps of a filter can lie from the lookup, in texels. Of a footprint, which has no largest size, as far as a map leaves room for.
+#[must_use]
+pub fn farthest_tap(light: &LightPlan) -> f32 {
+    match light.filter {
+        FILTER_DISC => light.filter_reach + 0.5,
+        FILTER_HARD | FILTER_BILINEAR | FILTER_SEPARABLE | FILTER_CROSS => light.filter_reach,
+        _ => FOOTPRINT_GUARD as f32,
+    }
 }
 
 /// How far the weighted taps of a filter reach along a plane's depth gradient, in texels: the factor of `|g1| + |g2|` in the bias it needs.

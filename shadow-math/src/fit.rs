@@ -19,11 +19,12 @@ mod frame;
 mod lispsm;
 mod ogre;
 mod outcome;
+mod pancake;
 mod plane_optimal;
 mod stabilised;
 mod uniform;
 
-pub use body::{Eye, Subject, visible_body, visible_range, widened_by, widened_slice};
+pub use body::{Eye, Subject, visible_body, visible_in_view, visible_range, widened_by, widened_slice};
 pub use boxed::{Content, MAX_POINTS, boxed_view, focused_view};
 pub use cube::{CUBE_FACES, cube_face_of, cube_face_view};
 pub use depth_range::{
@@ -36,8 +37,9 @@ pub use ogre::{
     OGRE_THRESHOLD, OgreLightSpace, OgreSetup, ogre_frame, ogre_standard_matrix, ogre_tweak, ogre_uniform_view, ogre_warp,
 };
 pub use outcome::{FallBack, FitOutcome};
+pub use pancake::MIN_PANCAKE_SHARE;
 pub use plane_optimal::{PlaneOptimal, plane_depth_factor, plane_optimal};
-pub use stabilised::{CascadeSphere, stabilised_view};
+pub use stabilised::{CascadeSphere, sphere_depths, stabilised_view};
 pub use uniform::{directional_view, spot_view};
 
 use glam::{DMat4, DVec4};
@@ -59,6 +61,9 @@ pub struct ViewFit {
     pub texel_metres: [f64; 2],
     /// Width and height of the map in texels.
     pub size: u32,
+    /// The depths, as this view counts them, of the near and the far plane between which casters are drawn: 0 and 1, but for [pancaked](ViewFit::pancaked) views, whose own planes lie
+    /// between these.
+    pub caster_depth: [f64; 2],
     /// Whether w is something else than the distance along the axis, or 1 for parallel light.
     pub is_warped: bool,
     /// The row that is at least 0 where the matrix has a meaning.
@@ -76,6 +81,7 @@ impl ViewFit {
             range: DepthRange { near: 0.0, far: 1.0 },
             depth_scale: DepthScale::orthographic(1.0),
             texel_metres: [1.0; 2],
+            caster_depth: [0.0, 1.0],
             size,
             is_warped: false,
             half_space: DVec4::W,
@@ -83,7 +89,7 @@ impl ViewFit {
         }
     }
 
-    /// The same camera with reversed depth: 1 at the near plane, 0 at the far plane.
+    /// The same camera with reversed depth: 1 at the near plane, 0 at the far plane. `caster_depth` stays as it is, counted from the near plane.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let mut transposed = self.clip_from_view.transpose();
@@ -109,6 +115,12 @@ impl ViewFit {
     #[must_use]
     pub fn distance_row(&self) -> DVec4 {
         if self.depth_scale.w_per_metre > 0.0 { -self.view_from_world.row(2) } else { DVec4::W }
+    }
+
+    /// Whether casters are drawn between wider planes than the view's own.
+    #[must_use]
+    pub fn is_pancaked(&self) -> bool {
+        self.caster_depth != [0.0, 1.0]
     }
 
     /// The light as a homogeneous point: the vector toward parallel light, with a 0, or a position, with a 1.

@@ -9,6 +9,7 @@ mod build;
 mod data;
 mod error;
 mod lengths;
+mod pancake;
 mod view;
 mod views;
 

@@ -119,6 +119,40 @@ impl RoundingBound {
         }
         self
     }
+
+    /// The bound for a view that draws casters between wider planes than its own, to be applied last: as it is for others. `store` and `is_reversed` are as for [`Self::of_store`].
+    ///
+    /// Casters have depths of the wider planes, whose row rounds as the view's own does, and which count as much more as its planes are nearer to each other, `s` times. Rasterising and turning a depth into the
+    /// view's own take ten roundings of a depth of at most 1, times `s`, and one of what is added. A reversed depth of a perspective view goes by `factor / w`, and so do they.
+    #[must_use]
+    pub fn of_pancake(mut self, store: Store, view: &ViewFit, extent: Vec3, is_reversed: bool) -> Self {
+        const DRAWN_ROUNDINGS: f64 = 10.0;
+        if !view.is_pancaked() {
+            return self;
+        }
+        let [nearest, farthest] = view.caster_depth;
+        let scale = farthest - nearest;
+        let extent = extent.as_dvec3().extend(1.0);
+        let of_rows = scale
+            * [view.drawn_row(is_reversed), view.clip_from_world().row(3)].map(|row| row_error(row, extent)).iter().sum::<f64>();
+        let added = UNIT_ROUNDOFF * (1.0 + if is_reversed { 1.0 - farthest } else { nearest }.abs());
+        let is_perspective = view.depth_scale.w_per_metre > 0.0 && !view.is_warped;
+        let of_drawing = DRAWN_ROUNDINGS * UNIT_ROUNDOFF;
+        if store == Store::Linear && is_perspective {
+            // A reversed depth changes by factor / w^2 a metre, at the far plane the least.
+            let (far, factor) = (view.range.far, view.depth_scale.factor);
+            self.metres += (of_rows + of_drawing * factor) * far / factor + added * far * far / factor;
+            return self;
+        }
+        self.depth_over_w += of_rows;
+        self.depth += added;
+        if is_reversed && is_perspective {
+            self.depth_over_w += of_drawing * view.depth_scale.factor;
+        } else {
+            self.depth += of_drawing * scale;
+        }
+        self
+    }
 }
 
 /// How far a depth from 0 to 1 is moved by rounding it to one of so many steps in f32: half a step, and as much as the product before it and the quotient after it are off.
@@ -139,8 +173,11 @@ pub fn map_bound(size: f64) -> [f64; 2] {
 /// The largest error of each row of a matrix over points with coordinates up to `extent`.
 fn row_errors(matrix: DMat4, extent: DVec4) -> [f64; 4] {
     let transposed = matrix.transpose();
-    [transposed.x_axis, transposed.y_axis, transposed.z_axis, transposed.w_axis].map(|row| {
-        // A row of zeros but for its constant is exact: an orthographic view's w is 1.
-        if row.truncate().abs().max_element() == 0.0 { 0.0 } else { ROW_ROUNDINGS * UNIT_ROUNDOFF * row.abs().dot(extent) }
-    })
+    [transposed.x_axis, transposed.y_axis, transposed.z_axis, transposed.w_axis].map(|row| row_error(row, extent))
+}
+
+/// The same of one row.
+fn row_error(row: DVec4, extent: DVec4) -> f64 {
+    // A row of zeros but for its constant is exact: an orthographic view's w is 1.
+    if row.truncate().abs().max_element() == 0.0 { 0.0 } else { ROW_ROUNDINGS * UNIT_ROUNDOFF * row.abs().dot(extent) }
 }

@@ -374,6 +374,8 @@ pub struct ShadowSettings {
     pub fit_from: FitFrom,
     /// The plane of the plane-optimal fit, as `(normal, offset)` with `normal . point + offset = 0`, relative to the scene's origin; the normal is of any length above 0. `None` for the one that is found.
     pub plane: Option<[f32; 4]>,
+    /// Whether the depth of maps is for what is seen alone, and casters beyond are [drawn onto its planes](crate::fit::ViewFit::pancaked): finer steps for maps of 16 and 24 bits.
+    pub pancake: bool,
     /// How far from the camera, along its axis in metres, there are shadows; `None` for as far as anything is seen.
     pub shadow_distance: Option<f32>,
     /// What a texel remembers.
@@ -410,6 +412,7 @@ impl Default for ShadowSettings {
             split: Split::default(),
             fit_from: FitFrom::default(),
             plane: None,
+            pancake: false,
             shadow_distance: None,
             store: Store::default(),
             texels: Texels::default(),

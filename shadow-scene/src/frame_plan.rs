@@ -344,20 +344,20 @@ fn fall_back_notes(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> V
 fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Option<String> {
     /// Rounding to f32 may lift the share a little.
     const ROUNDING: f64 = 1.0 + 1e-6;
-    let nears: Vec<(String, f32)> = lights
+    let nears: Vec<(String, f64)> = lights
         .iter()
         .zip(scene.lights())
         .enumerate()
         .filter(|(_, (plan, _))| plan.view_count > 0)
         .filter_map(|(index, (plan, light))| {
-            let view = &views[plan.first_view as usize];
-            let [near, far] = view.depth_range;
-            let is_limited = view.w_per_metre > 0.0
-                && view.has_map()
-                && view.is_warped == 0
-                && f64::from(near) <= f64::from(far) * MIN_NEAR_SHARE * ROUNDING;
+            let limited = views[plan.first_view as usize..][..plan.view_count as usize].iter().filter_map(|view| {
+                let [near, far] = view.drawn_range();
+                let is_of_rule = view.w_per_metre > 0.0 && view.has_map() && view.is_warped == 0;
+                (is_of_rule && near <= far * MIN_NEAR_SHARE * ROUNDING).then_some(near)
+            });
+            let near = limited.reduce(f64::max)?;
             let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
-            is_limited.then_some((name, near))
+            Some((name, near))
         })
         .collect();
     let (first, near) = nears.first()?;

@@ -22,8 +22,14 @@ const MAP: u32 = 512;
 
 /// What is compared. Four cascades of half the size have as many texels as one map.
 fn techniques() -> Vec<(Cameras, u32)> {
-    let one =
-        Cameras { name: "uniform", fit: Fit::Uniform, fit_from: FitFrom::Frustum, split: Split::Single, shadow_distance: None };
+    let one = Cameras {
+        name: "uniform",
+        fit: Fit::Uniform,
+        fit_from: FitFrom::Frustum,
+        split: Split::Single,
+        shadow_distance: None,
+        pancake: false,
+    };
     let four = Cascades::default();
     let of = |name, fit, fit_from, cascades: Option<Cascades>| {
         let split = cascades.map_or(Split::Single, Split::Cascades);

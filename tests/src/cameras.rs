@@ -21,12 +21,21 @@ pub struct Cameras {
     pub split: Split,
     /// How far there are shadows, as a share of the scene's size.
     pub shadow_distance: Option<f32>,
+    /// Whether casters are drawn onto the planes of what is seen.
+    pub pancake: bool,
 }
 
 /// Every fit and every kind of split, and what else can be said of them.
 #[must_use]
 pub fn all() -> Vec<Cameras> {
-    let one = Cameras { name: "", fit: Fit::Uniform, fit_from: FitFrom::Frustum, split: Split::Single, shadow_distance: None };
+    let one = Cameras {
+        name: "",
+        fit: Fit::Uniform,
+        fit_from: FitFrom::Frustum,
+        split: Split::Single,
+        shadow_distance: None,
+        pancake: false,
+    };
     let of_fit = |name, fit| Cameras { name, fit, ..one };
     let four = Cascades::default();
     let cascades = |name, fit, cascades| Cameras { name, fit, split: Split::Cascades(cascades), ..one };
@@ -59,6 +68,23 @@ pub fn all() -> Vec<Cameras> {
             Cascades { count: 8, selection: Selection::Containment, blend: 0.25, ..four },
         ),
         cascades("histogram cascades", Fit::Focused, Cascades { scheme: SplitScheme::Histogram, ..four }),
+        Cameras { name: "uniform, pancaked", pancake: true, ..one },
+        Cameras { name: "focused to samples, pancaked", fit: Fit::Focused, fit_from: FitFrom::Samples, pancake: true, ..one },
+        Cameras { name: "lispsm, pancaked", fit: Fit::Lispsm, pancake: true, shadow_distance: Some(0.4), ..one },
+        Cameras { name: "plane-optimal, pancaked", fit: Fit::PlaneOptimal, pancake: true, ..one },
+        Cameras { name: "ogre-uniform, pancaked", fit: Fit::OgreUniform, pancake: true, ..one },
+        Cameras {
+            pancake: true,
+            ..cascades("stabilised cascades, pancaked", Fit::Uniform, Cascades { stabilised: true, count: 3, ..four })
+        },
+        Cameras {
+            pancake: true,
+            ..cascades(
+                "contained cascades, pancaked",
+                Fit::Focused,
+                Cascades { count: 3, selection: Selection::Containment, blend: 0.25, ..four },
+            )
+        },
     ]
 }
 
@@ -81,13 +107,19 @@ impl Cameras {
         let is_warped = self.fit.is_warped()
             || matches!(split, Split::Cascades(Cascades { fits, .. }) if fits.iter().flatten().any(|fit| fit.is_warped()));
         let is_of_axis = settings.store == Store::Linear || settings.store == Store::Depth16;
-        let store = if is_warped && is_of_axis { Store::Depth32 } else { settings.store };
+        let store = match settings.store {
+            _ if is_warped && is_of_axis => Store::Depth32,
+            // Two surfaces are not told apart on one plane.
+            Store::Second | Store::Midpoint if self.pancake => Store::Depth24,
+            store => store,
+        };
         let bias = match settings.bias {
             Bias::Parts(BiasParts { ogre_2006: Some(_), .. }) if is_warped => Bias::Automatic,
             bias => bias,
         };
         let shadow_distance = self.shadow_distance.map(|share| (share * scene.bounds().radius()).max(f32::MIN_POSITIVE));
-        ShadowSettings { fit: self.fit, fit_from: self.fit_from, split, shadow_distance, store, bias, ..settings }
+        let Self { fit, fit_from, pancake, .. } = *self;
+        ShadowSettings { fit, fit_from, split, shadow_distance, pancake, store, bias, ..settings }
     }
 
     /// The plan of a picture of a scene under all of its lights.

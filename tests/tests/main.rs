@@ -15,6 +15,7 @@ mod limits;
 mod malformed;
 mod matrix;
 mod mirrors;
+mod pancake;
 mod pictures;
 mod planar_bias;
 mod plane_optimal;

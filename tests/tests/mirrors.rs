@@ -331,9 +331,12 @@ const TABLE: &[Mirror] = &[
             let view = world.view(i[0]);
             // One step of rounded depth, where a product lies on the border between two.
             let step = if view.depth_steps > 0.0 { f32::INFINITY } else { 1.0 };
-            let scaled = i[1] * view.depth_steps;
+            let moved = if view.is_pancaked() { (i[1] * view.drawn_scale + view.drawn_offset).clamp(0.0, 1.0) } else { i[1] };
+            let scaled = moved * view.depth_steps;
             let is_border = (scaled - scaled.floor() - 0.5).abs() < 0.01;
-            vec![Number { value: encoded_depth(view, i[1]), scale: if is_border { step } else { 1.0 } }]
+            // What is moved onto a pancaked view's planes is a difference of numbers as large as its scale.
+            let scale = if is_border { step } else { 1.0 + 2.0 * view.drawn_scale };
+            vec![Number { value: encoded_depth(view, i[1]), scale }]
         },
         bound: 4,
         reason: "a quotient of two sums, of which one has a product",
@@ -410,6 +413,7 @@ const TABLE: &[Mirror] = &[
             let mantissa = depth(a).max(depth(b)).max(depth(c)).to_bits() & 0x7f_ffff;
             let doubles = view.caster_kind == CASTER_POLYGON_OFFSET && view.depth_steps == 0.0 && !(16..0x7f_fff0).contains(&mantissa);
             let scale = if doubles { f32::INFINITY } else { steep * view.caster_slope + view.caster_units };
+            let scale = if view.is_pancaked() { scale / view.drawn_scale } else { scale };
             vec![Number { value, scale: if scale.is_nan() { f32::INFINITY } else { scale } }]
         },
         bound: 64,
@@ -1248,6 +1252,8 @@ fn the_inputs_reach_different_answers() {
 #[test]
 fn receivers_take_every_way() {
     let world = World::get();
+    let is_finer = |view: &&ViewPlan| view.drawn_scale > 1.25;
+    assert!(world.globals.views.iter().filter(is_finer).count() > 20, "too few views are pancaked");
     for index in 0..world.globals.lights.len() {
         let (mut turned_away, mut outside, mut compared, mut lit, mut shadowed) = (0, 0, 0, 0, 0);
         let of_light = world.receivers.iter().filter(|group| group[0] == index as f32);

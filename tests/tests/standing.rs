@@ -7,7 +7,7 @@ use shadow_cpu::{
     renderer::PreparedScene,
     trace::{CameraView, Sampling, SurfacePoint, Tracer},
 };
-use shadow_math::{Camera, Cascades, Fit, Light, LightKind, ShadowSettings, Split};
+use shadow_math::{Camera, Cascades, Fit, Light, LightKind, ShadowSettings, Split, Store};
 use shadow_scene::{FramePlan, Material, Mesh, NO_TRIANGLE, Scene, SceneBuilder, SceneLight, builtin};
 use shadow_tests::report::say;
 
@@ -120,21 +120,25 @@ fn stabilised_cascades_stand_still_wherever_the_scene_is() {
         assert!(points.len() > 10_000, "{} points are watched", points.len());
         let prepared = renderer.prepare(&scene);
         let watch = Watch { scene: &scene, renderer: &renderer, prepared: &prepared, tracer: &tracer, points };
+        // Steps of 16 bits of what is seen are counted from the world's origin, too.
+        let pancaked = ShadowSettings { pancake: true, store: Store::Depth16, ..settings(Fit::Uniform, true) };
+        let pancaked = watch.stability(&pancaked, WALK, 100 * index);
         let here = watch.stability(&settings(Fit::Uniform, true), NUDGE, 100 * index);
         let walked = watch.stability(&settings(Fit::Uniform, true), WALK, 100 * index);
         let beside = watch.stability(&settings(Fit::Focused, false), NUDGE, 100 * index);
         lines += &format!(
-            "{distance:e} m: {} of {} change ({:.1e}), {} ask another cascade; {} of {} after a walk; tight cascades: {:.1e}\n",
+            "{distance:e} m: {} of {} change ({:.1e}), {} ask another cascade; {} of {} after a walk, {} pancaked to 16 bits; tight cascades: {:.1e}\n",
             here.changed,
             here.compared,
             here.score(),
             here.other_maps,
             walked.changed,
             walked.compared,
+            pancaked.changed,
             beside.score()
         );
         assert!(here.compared > 10_000, "{lines}");
-        assert!(here.score() <= MOST && walked.score() <= MOST, "{lines}");
+        assert!(here.score() <= MOST && walked.score() <= MOST && pancaked.score() <= MOST, "{lines}");
         assert!(walked.compared > 5_000, "{lines}");
         // The tight fit is what this is better than: were it to stand still, nothing would have been tested.
         assert!(beside.score() > 100.0 * MOST, "{lines}");

@@ -105,6 +105,8 @@ struct ViewReport {
     clip_from_world: Rows,
     /// The distances of the near and the far plane along the axis, in metres.
     depth_range: [f32; 2],
+    /// Whether casters before and behind these planes are drawn onto them.
+    is_pancaked: bool,
     /// Width and height of a texel, in metres: everywhere for an orthographic view, 1 m from the light for a perspective one.
     texel_metres: [f32; 2],
     rounding: RoundingReport,
@@ -196,6 +198,7 @@ impl ViewReport {
             projection: if view.w_per_metre == 0.0 { "orthographic" } else { "perspective" },
             clip_from_world: [view.clip_x, view.clip_y, view.clip_z, view.clip_w],
             depth_range: view.depth_range,
+            is_pancaked: view.is_pancaked(),
             texel_metres: view.texel_metres,
             rounding: RoundingReport { texels: view.rounding_texels, depth: view.rounding_depth },
         }
@@ -255,7 +258,12 @@ fn text(report: &Report<'_>) -> String {
             rows.push(vec![
                 format!("{} {} `{}`", light.light, light.kind, light.name),
                 format!("{} {}", view.view, view.name).trim().into(),
-                if view.is_warped { format!("{}, warped", view.projection) } else { view.projection.into() },
+                format!(
+                    "{}{}{}",
+                    view.projection,
+                    if view.is_warped { ", warped" } else { "" },
+                    if view.is_pancaked { ", pancaked" } else { "" }
+                ),
                 format!("{:.3} m", view.depth_range[0]),
                 format!("{:.3} m", view.depth_range[1]),
                 format!("{:.2} x {:.2} mm{at}", 1e3 * view.texel_metres[0], 1e3 * view.texel_metres[1]),

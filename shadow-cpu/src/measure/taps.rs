@@ -122,7 +122,9 @@ impl<'a> Taps<'a> {
         depths.is_none_or(|depths| {
             let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
             let farthest = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (nearest - rounding..=farthest + rounding).contains(&z_over_w(self.view, f64::from(tap.stored)))
+            // Beyond the planes of a pancaked view all is drawn onto them.
+            let drawn = |depth: f64| if self.view.is_pancaked() { depth.clamp(0.0, 1.0) } else { depth };
+            (drawn(nearest) - rounding..=drawn(farthest) + rounding).contains(&z_over_w(self.view, f64::from(tap.stored)))
         })
     }
 
@@ -136,7 +138,7 @@ impl<'a> Taps<'a> {
         let (w, texel) = if self.view.is_warped != 0 {
             (w, corners.map(|corner| self.view.texel_width_at(corner)).into_iter().fold(f64::INFINITY, f64::min))
         } else {
-            let w = if self.view.w_per_metre == 0.0 { 1.0 } else { w.max(f64::from(self.view.depth_range[0])) };
+            let w = if self.view.w_per_metre == 0.0 { 1.0 } else { w.max(self.view.drawn_range()[0]) };
             (w, f64::from(self.view.texel_metres[0].max(self.view.texel_metres[1])) * w)
         };
         let [a, b, c] = *corners;
@@ -189,6 +191,10 @@ impl<'a> Taps<'a> {
             return f64::INFINITY;
         }
         let depth = z_over_w(self.view, compared);
+        // What lies before a pancaked view's near plane, however far, is drawn onto it.
+        if self.view.is_pancaked() && depth <= 0.0 {
+            return f64::INFINITY;
+        }
         let Some(behind) = self.behind(lookup) else { return 0.0 };
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(behind.position.extend(1.0));
         let depth_behind = forward_depth(self.view, row(self.view.clip_z) / row(self.view.clip_w));
@@ -203,13 +209,15 @@ impl<'a> Taps<'a> {
         let [v0, v1, v2] = corners.map(DVec3::as_vec3);
         let row = |row: [f32; 4]| DVec4::from_array(row.map(f64::from)).dot(point.extend(1.0));
         let w = row(self.view.clip_w);
-        let drawn = row(self.view.clip_z) / w;
+        let drawn = row(self.view.drawn_z) / w;
         let pushed = f64::from(pushed_depth(self.view, drawn as f32, caster_offset(self.view, v0, v1, v2)));
         // Where nothing is farther than it was drawn, it hides nothing.
         if pushed == f64::from(depth_limits(self.view)[1].abs()) {
             return f64::INFINITY;
         }
-        -metres_before(light, self.view, point, -(forward_depth(self.view, pushed) - forward_depth(self.view, drawn)).max(0.0))
+        let of_drawn = if self.view.is_pancaked() { f64::from(self.view.drawn_scale) } else { 1.0 };
+        let deeper = (forward_depth(self.view, pushed) - forward_depth(self.view, drawn)).max(0.0) * of_drawn;
+        -metres_before(light, self.view, point, -deeper)
     }
 
     fn point(&self, texel: IVec2, offset: [f64; 2]) -> Option<SurfacePoint> {

@@ -46,7 +46,7 @@ fn depth_bias(light: u32, view: u32, needed: f32, w: f32, axis_distance: f32) ->
 }
 
 fn normal_offset(light: u32, view: u32, point: vec3f, normal: vec3f, needed: f32, w: f32) -> f32 {
-    if bias_kind(light) != BIAS_AUTOMATIC || !(needed < MAX_DEPTH_BIAS) {
+    if bias_kind(light) != BIAS_AUTOMATIC || !(needed < max(MAX_DEPTH_BIAS, views[view].drawn_scale)) {
         return 0.0;
     }
     let toward = toward_light(light, point);

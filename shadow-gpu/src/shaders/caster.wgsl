@@ -21,8 +21,11 @@ fn caster_offset(view: u32, v0: vec3f, v1: vec3f, v2: vec3f) -> f32 {
         let largest = max(max(corner_depth(view, v0), corner_depth(view, v1)), corner_depth(view, v2));
         unit = depth_unit(view, largest);
     }
-    let offset = slope * views[view].caster_slope + unit * views[view].caster_units;
-    return min(offset, views[view].caster_limit);
+    var offset = min(slope * views[view].caster_slope + unit * views[view].caster_units, views[view].caster_limit);
+    if views[view].drawn_scale > 0.0 {
+        offset = offset / views[view].drawn_scale;
+    }
+    return offset;
 }
 
 fn corner_depth(view: u32, corner: vec3f) -> f32 {

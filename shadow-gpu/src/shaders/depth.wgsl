@@ -10,8 +10,11 @@ const LAYER_MIDPOINT: u32 = 2u;
 
 fn encoded_depth(view: u32, drawn: f32) -> f32 {
     var depth = drawn;
+    if views[view].drawn_scale > 0.0 {
+        depth = min(max(drawn * views[view].drawn_scale + views[view].drawn_offset, 0.0), 1.0);
+    }
     if depth_kind(view) == DEPTH_LINEAR {
-        depth = (1.0 - drawn) / (1.0 + drawn * views[view].range_over_near);
+        depth = (1.0 - depth) / (1.0 + depth * views[view].range_over_near);
     }
     let steps = views[view].depth_steps;
     if steps > 0.0 {

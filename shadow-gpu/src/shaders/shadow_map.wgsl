@@ -10,7 +10,7 @@ fn view_clip(view: u32, position: vec3f) -> vec4f {
     return vec4f(
         row_times_point(views[view].clip_x, position),
         row_times_point(views[view].clip_y, position),
-        row_times_point(views[view].clip_z, position),
+        row_times_point(views[view].drawn_z, position),
         row_times_point(views[view].clip_w, position),
     );
 }

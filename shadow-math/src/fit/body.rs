@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
-use super::{LightFrame, MIN_NEAR_SHARE, depth_range::touching_distance};
+use super::{LightFrame, MIN_NEAR_SHARE, ViewFit, depth_range::touching_distance};
 use crate::{
     bounds::Aabb,
     camera::{Camera, Projection},
@@ -153,6 +153,25 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
     }
     if !eye.samples.is_empty() {
         clip_to_samples(&mut body, eye, [near, far], frame);
+    }
+    body
+}
+
+/// All points that the camera sees between two distances along its axis, in metres, that lie within the bounds, that a caster can shadow and that a light's view has: what can ask its map. Empty where that is nothing.
+///
+/// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume, 4 of the map and 1 of its half-space.
+#[must_use]
+pub fn visible_in_view(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, view: &ViewFit) -> Polytope {
+    let casters = subject.caster_bounds();
+    let Ok(slice) = Frustum::slice(&eye.camera, eye.aspect, near.max(0.0), far) else { return Polytope::EMPTY };
+    if casters.is_empty() {
+        return Polytope::EMPTY;
+    }
+    let mut body = Polytope::from_frustum(&slice);
+    body.clip_to_bounds(subject.bounds);
+    let (planes, count) = shadow_planes(casters, view.light());
+    for plane in planes[..count].iter().chain(&view.sides()).chain([&view.half_space]) {
+        body.clip(*plane);
     }
     body
 }

@@ -10,7 +10,10 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, dcamera::rh};
 
-use super::{DepthRange, Eye, LightFrame, Subject, ViewFit, boxed::depth_of_heights, heights_along, uniform::rigid_inverse};
+use super::{
+    DepthRange, Eye, LightFrame, MIN_PANCAKE_SHARE, RANGE_MARGIN, Subject, ViewFit, boxed::depth_of_heights, heights_along,
+    uniform::rigid_inverse,
+};
 use crate::{camera::Projection, depth::DepthScale};
 
 /// The sphere around a slice of a camera's view.
@@ -53,6 +56,37 @@ impl CascadeSphere {
         let beside = DVec2::new(far * squared.sqrt(), far - distance);
         Self { distance, radius: beside.length() }
     }
+}
+
+/// The depths of a stabilised view between which a sphere before the camera lies, to [pancake](ViewFit::pancaked) it; `None` where that is all of the view's depth.
+///
+/// `before` and `behind` are how many metres stay free on the light's side and on the other. The range has one length whichever way the camera looks, and moves by whole steps of its own, of `steps` to its length, that are counted from the world's origin: what is rounded to
+/// these steps is rounded alike in every frame.
+#[must_use]
+pub fn sphere_depths(
+    view: &ViewFit,
+    eye: &Eye<'_>,
+    sphere: CascadeSphere,
+    subject: &Subject<'_>,
+    [before, behind]: [f64; 2],
+    steps: f64,
+) -> Option<[f64; 2]> {
+    #[cfg(not(feature = "std"))]
+    use crate::float::FloatFuncs;
+    let whole = view.range.far - view.range.near;
+    let toward_light = view.light().truncate();
+    let length = ((2.0 * sphere.radius + before + behind) * (1.0 + RANGE_MARGIN)).max(MIN_PANCAKE_SHARE * whole);
+    // One step more, by which the range is moved.
+    let step = length / (steps - 1.0);
+    let length = length + step;
+    if length >= whole {
+        return None;
+    }
+    let middle = eye.camera.eye + eye.camera.direction() * sphere.distance;
+    let top = toward_light.dot(middle + subject.origin) + sphere.radius + before;
+    let top = (top / step).ceil() * step - toward_light.dot(subject.origin);
+    let near_plane = toward_light.dot(view.view_from_world.inverse().w_axis.truncate()) - view.range.near;
+    Some([(near_plane - top) / whole, (near_plane - top + length) / whole])
 }
 
 /// The view of a sphere before a camera, moved to whole texels of the world.

@@ -177,10 +177,18 @@ fn is_usable_light(plan: &LightPlan) -> bool {
 fn is_usable_view(plan: &ViewPlan) -> bool {
     let [near, far] = plan.depth_range;
     let is_deep = near < far && (plan.w_per_metre == 0.0 || near > 0.0);
-    let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w, plan.distance, plan.half_space];
+    let matrices = [plan.clip_x, plan.clip_y, plan.clip_z, plan.clip_w, plan.drawn_z, plan.distance, plan.half_space];
     let inverse = [plan.world_from_texel_x, plan.world_from_texel_y, plan.world_from_depth];
-    let floats =
-        [plan.depth_factor, plan.range_over_near, plan.linear_scale, plan.linear_offset, plan.caster_push, plan.rounding_metres];
+    let floats = [
+        plan.drawn_scale,
+        plan.drawn_offset,
+        plan.depth_factor,
+        plan.range_over_near,
+        plan.linear_scale,
+        plan.linear_offset,
+        plan.caster_push,
+        plan.rounding_metres,
+    ];
     let pairs = [plan.rounding_texels, plan.rounding_depth, plan.depth_range, plan.texel_metres];
     is_deep
         && plan.depth_factor > 0.0
@@ -258,11 +266,14 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Whether what is stored goes together with the bias.
+/// Whether what is stored goes together with the bias and with pancaking.
 fn check_store(settings: &ShadowSettings) -> Result<(), PlanError> {
-    let ShadowSettings { store, bias, .. } = *settings;
-    let Bias::Parts(parts) = bias else { return Ok(()) };
+    let ShadowSettings { store, bias, pancake, .. } = *settings;
     let is_of_two = matches!(store, Store::Second | Store::Midpoint);
+    if pancake && is_of_two {
+        return Err(PlanError::PancakeOfTwo(store));
+    }
+    let Bias::Parts(parts) = bias else { return Ok(()) };
     let (is_linear, is_reversed) = (store == Store::Linear, store == Store::Reversed32);
     let refused = [
         (parts.polygon_offset.is_some() && (is_linear || is_of_two), "polygon-offset"),

@@ -283,8 +283,18 @@ pub struct ViewPlan {
     pub is_warped: u32,
     /// How the view came about: what [`ViewPlan::outcome`] tells.
     pub fit_outcome: u32,
+    /// What a depth as it is drawn is multiplied by to become one of the view's own; 0 where both are the same, in views that are not pancaked.
+    pub drawn_scale: f32,
+    /// The depth row by which casters are drawn, whose near and far planes enclose them all: `clip_z`, but in pancaked views.
+    pub drawn_z: [f32; 4],
+    /// What is added to a drawn depth times `drawn_scale`.
+    pub drawn_offset: f32,
     /// Padding to a multiple of 16 bytes.
     pub padding_0: u32,
+    /// Padding.
+    pub padding_1: u32,
+    /// Padding.
+    pub padding_2: u32,
     /// The row that takes points to their distance from the light along the view's axis, in metres: `clip_w` where nothing is warped, and 1 everywhere for parallel light.
     pub distance: [f32; 4],
     /// The half-space outside of which the view's matrix means nothing, as a row that is at least 0 inside: casters there are not drawn, and receivers are lit.
@@ -321,7 +331,19 @@ impl ViewPlan {
     /// Whether what is drawn is what the map holds, be it the smallest depth or the largest.
     #[must_use]
     pub fn has_plain_casters(&self) -> bool {
-        self.depth_kind != DEPTH_LINEAR && self.depth_steps == 0.0 && self.caster_kind == CASTER_PLAIN
+        self.depth_kind != DEPTH_LINEAR && self.depth_steps == 0.0 && self.caster_kind == CASTER_PLAIN && !self.is_pancaked()
+    }
+
+    /// Whether casters before the near plane and behind the far plane are drawn, onto these planes.
+    #[must_use]
+    pub fn is_pancaked(&self) -> bool {
+        self.drawn_scale > 0.0
+    }
+
+    /// The rows by which casters are drawn.
+    #[must_use]
+    pub fn drawn_rows(&self) -> [[f32; 4]; 4] {
+        [self.clip_x, self.clip_y, self.drawn_z, self.clip_w]
     }
 
     /// The matrix from world to clip space, z from 0 to 1, for a renderer that wants it whole. Exactly the rows of the plan.

@@ -125,6 +125,8 @@ pub enum PlanError {
         /// The part of the bias.
         bias: &'static str,
     },
+    /// Two surfaces are to be told apart where both can be drawn onto one plane.
+    PancakeOfTwo(Store),
     /// There is nothing that could cast a shadow: the scene's bounds are empty.
     EmptyBounds,
     /// The caller lent too few views.
@@ -235,7 +237,7 @@ impl core::fmt::Display for PlanError {
             Self::CascadesOfCube => f.write_str(
                 "this light takes the six faces of a cube, which cascades do not split further; give it settings of its own (--light-settings) with the split single or cube, or leave cascades out",
             ),
-            Self::NoCamera => f.write_str("this fit or split follows the camera; plan with a camera, or take the uniform fit and a single map"),
+            Self::NoCamera => f.write_str("this fit or split follows the camera; plan with a camera, or take the uniform fit and a single map without pancaking"),
             Self::CascadeCount(count) => {
                 write!(f, "{count} cascades are out of range; choose from 1 to {MAX_CASCADES}")
             }
@@ -290,6 +292,11 @@ impl core::fmt::Display for PlanError {
                 f,
                 "the bias {bias} pushes casters along a view's axis, which the fit {} warps; take another bias, or another fit",
                 fit.name()
+            ),
+            Self::PancakeOfTwo(store) => write!(
+                f,
+                "the store {} keeps two surfaces apart, and pancaking draws both onto the near plane where they lie before it; take another store, or leave pancaking out",
+                store.name()
             ),
             Self::EmptyBounds => f.write_str("the scene's bounds are empty, so there is nothing to fit a shadow map to"),
             Self::Views { needed, given } => write!(f, "the light needs {needed} views, but only {given} were lent"),

@@ -24,15 +24,20 @@ pub(super) fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings,
         Store::Linear if view.depth_scale.w_per_metre > 0.0 => DEPTH_LINEAR,
         _ => DEPTH_Z_OVER_W,
     };
-    let view = &match depth_kind {
-        DEPTH_Z_OVER_W => *view,
-        _ => view.reversed(),
-    };
+    let is_reversed = depth_kind != DEPTH_Z_OVER_W;
+    let forward = view;
+    let view = &if is_reversed { forward.reversed() } else { *forward };
     let clip_from_world = view.clip_from_world();
     let extent = DVec2::splat(f64::from(size));
     let (texel_scale, texel_offset) = texel_from_ndc(DVec2::ZERO, extent);
     let world_from_texel = (texel_from_clip(DVec2::ZERO, extent) * clip_from_world).inverse();
-    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size).of_store(store, view, depth_kind != DEPTH_Z_OVER_W);
+    let rounding = RoundingBound::of_view(view, bounds.abs_max(), size).of_store(store, view, is_reversed);
+    let rounding = rounding.of_pancake(store, forward, bounds.abs_max(), is_reversed);
+    // Where drawing begins, in the view's own depth.
+    let near_depth = if is_reversed { 1.0 - view.caster_depth[0] } else { view.caster_depth[0] };
+    let [nearest, farthest] = view.caster_depth;
+    let [drawn_scale, drawn_offset] =
+        if view.is_pancaked() { [farthest - nearest, if is_reversed { 1.0 - farthest } else { nearest }] } else { [0.0; 2] };
     let (near, far) = (view.range.near, view.range.far);
     let is_linear = depth_kind == DEPTH_LINEAR;
     let range = far - near;
@@ -47,7 +52,7 @@ pub(super) fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings,
         world_from_texel_x: rounded(world_from_texel.x_axis),
         world_from_texel_y: rounded(world_from_texel.y_axis),
         world_from_depth: rounded(world_from_texel.z_axis),
-        rays: texel_rays(view, world_from_texel, if depth_kind == DEPTH_Z_OVER_W { 0.0 } else { 1.0 }),
+        rays: texel_rays(view, world_from_texel, near_depth),
         texel_scale: texel_scale.as_vec2().to_array(),
         texel_offset: texel_offset.as_vec2().to_array(),
         rounding_texels: [rounding.texels as f32, rounding.texels_over_w as f32],
@@ -71,6 +76,9 @@ pub(super) fn plan_view(view: &ViewFit, bounds: Aabb, settings: &ShadowSettings,
         snap_texels: half_step(settings.subpixel_bits),
         is_warped: u32::from(view.is_warped),
         fit_outcome: view.outcome.code(),
+        drawn_scale: drawn_scale as f32,
+        drawn_z: if view.is_pancaked() { rounded(forward.drawn_row(is_reversed)) } else { clip_z },
+        drawn_offset: drawn_offset as f32,
         distance: if view.is_warped { rounded(view.distance_row()) } else { clip_w },
         half_space: rounded(view.half_space),
         rect: if view.outcome == FitOutcome::NothingVisible { [0; 4] } else { [0, 0, size, size] },
@@ -95,21 +103,24 @@ fn caster_of(bias: Bias, view: &ViewFit) -> ViewPlan {
     let (factor, metres) = (view.depth_scale.factor, f64::from(metres));
     let is_perspective = view.depth_scale.w_per_metre > 0.0;
     let (near, far) = (view.range.near, view.range.far);
+    // A push goes by depth as it is drawn: see `drawn_scale`.
+    let [nearest, farthest] = view.caster_depth;
+    let scale = farthest - nearest;
     ViewPlan {
         caster_kind: if is_corrected { CASTER_OGRE_2006_CORRECTED } else { CASTER_OGRE_2006 },
         // The shader steps by half a texel in a depth twice as large as ours, and halves the larger slope twice.
         caster_slope: if is_corrected { 1.0 } else { 0.25 },
         caster_units: if is_perspective { 0.0 } else { (metres * factor) as f32 },
         caster_limit: 1.0,
-        caster_asymptote: if is_perspective { (far / (far - near)) as f32 } else { 0.0 },
-        caster_push: if is_perspective { (metres / factor) as f32 } else { 0.0 },
+        caster_asymptote: if is_perspective { ((far / (far - near) - nearest) / scale) as f32 } else { 0.0 },
+        caster_push: if is_perspective { (metres / factor * scale) as f32 } else { 0.0 },
         ..plain
     }
 }
 
 /// The rays of light through the texels of a view, in the order of [`PixelRays`].
 ///
-/// A texel's column of points is the image of a line through the light. Its point at `near_depth`, the depth of the near plane, is linear in the texel's coordinates, homogeneous: parallel light has that as its origin, to be divided by its fourth
+/// A texel's column of points is the image of a line through the light. Its point at `near_depth`, the depth of the near plane by which casters are drawn, is linear in the texel's coordinates, homogeneous: parallel light has that as its origin, to be divided by its fourth
 /// component; light from a place has the vector from there to it, which is linear too, and as long as it is deep where nothing is warped.
 fn texel_rays(view: &ViewFit, world_from_texel: DMat4, near_depth: f64) -> PixelRays {
     let light = view.light();

@@ -5,14 +5,16 @@ use glam::{DVec3, DVec4};
 use super::{
     data::{LightPlan, SELECT_BY_CONTAINMENT, SELECT_BY_DEPTH, SPLIT_CASCADES, SPLIT_CUBE, SPLIT_SINGLE, ViewPlan},
     error::PlanError,
+    pancake::Room,
     view::{plan_view, rounded},
 };
 use crate::{
     filter::guard_texels,
     fit::{
         self, CUBE_FACES, CascadeSphere, Content, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, MAX_POINTS, OGRE_THRESHOLD,
-        OgreSetup, Subject, ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp,
-        optimal_warp, plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_range,
+        OgreSetup, RANGE_MARGIN, Subject, ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view,
+        ogre_warp, optimal_warp, plane_depth_factor, plane_optimal, sphere_depths, stabilised_view, visible_body,
+        visible_in_view, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     polytope::Polytope,
@@ -68,7 +70,11 @@ pub(super) fn plan_views(
             return Err(PlanError::NoSamples);
         }
         plan.view_distance = rounded(eye.distance_row());
-    } else if plan.shadow_far < f32::MAX || matches!(settings.split, Split::Cascades(_)) || settings.fit != Fit::Uniform {
+    } else if plan.shadow_far < f32::MAX
+        || matches!(settings.split, Split::Cascades(_))
+        || settings.fit != Fit::Uniform
+        || settings.pancake
+    {
         return Err(PlanError::NoCamera);
     }
     // Whether a map contains a receiver is asked in single precision: a texel more keeps what the map was fitted to away from where rounding decides.
@@ -80,8 +86,12 @@ pub(super) fn plan_views(
         _ => SPLIT_CUBE,
     };
     let mut layer = first_layer;
-    let mut write = |view: &mut ViewPlan, fit: &ViewFit| {
+    let light_plan = *plan;
+    let mut write = |view: &mut ViewPlan, fit: &ViewFit, asked: Looked| {
         *view = plan_view(fit, subject.bounds, settings, layer);
+        if let Some(depths) = fitting.depths(&light_plan, fit, view, asked) {
+            *view = plan_view(&fit.pancaked(depths), subject.bounds, settings, layer);
+        }
         layer += u32::from(fit.outcome != FitOutcome::NothingVisible);
     };
     match settings.split {
@@ -94,7 +104,10 @@ pub(super) fn plan_views(
                 let size = fitting.map_size_of(&cascades, cascade)?;
                 fitting.check_size(size)?;
                 let slice = fitting.padded_slice(plan, &cascades, &ends, covered, cascade)?;
-                write(view, &fitting.cascade(&cascades, cascade, slice, &mut asked, size)?);
+                let fit = fitting.cascade(&cascades, cascade, slice, &mut asked, size)?;
+                // By containment whatever is seen may ask.
+                let range = if cascades.selection == Selection::Depth { slice } else { covered.unwrap_or_default() };
+                write(view, &fit, if cascades.stabilised { Looked::Sphere(range) } else { Looked::Slice(range) });
             }
         }
         _ => {
@@ -105,7 +118,7 @@ pub(super) fn plan_views(
             if settings.fit.makes_one_map() {
                 match fitting.of_all(face_of(0))? {
                     Ok(fit) => {
-                        write(&mut views[0], &fit);
+                        write(&mut views[0], &fit, Looked::All);
                         (plan.view_count, plan.split) = (1, SPLIT_SINGLE);
                         return Ok(());
                     }
@@ -117,7 +130,7 @@ pub(super) fn plan_views(
                     Some(why) => fitting.uniform(face_of(index)).in_place_of_another(why),
                     None => fitting.whole(face_of(index))?,
                 };
-                write(view, &fit);
+                write(view, &fit, Looked::All);
             }
         }
     }
@@ -205,6 +218,17 @@ struct Asked {
     before: Option<ViewFit>,
     /// What that has between its guard bands, as a sphere before the camera: of stabilised cascades.
     sphere: Option<CascadeSphere>,
+}
+
+/// What asks a map, as far as its depth goes.
+#[derive(Clone, Copy)]
+enum Looked {
+    /// All that is seen.
+    All,
+    /// What is seen between two distances along the camera's axis, in metres.
+    Slice([f64; 2]),
+    /// What is there to be seen, whichever way the camera looks.
+    Sphere([f64; 2]),
 }
 
 /// Where cascades begin and end, in metres from the camera along its axis: one number more than there are cascades.
@@ -360,6 +384,41 @@ impl Fitting<'_> {
             return Err(FallBack::PlaneOutOfView);
         }
         Ok(rows.view(eye, plane_depth_factor(&rows, self.subject.casters), self.settings.map_size))
+    }
+
+    /// The depths of a view between which receivers ask its map, with room for their biases; `None` where it is not to be pancaked, or nothing is gained. `draft` is the view's plan as it is.
+    fn depths(&self, light: &LightPlan, fit: &ViewFit, draft: &ViewPlan, asked: Looked) -> Option<[f64; 2]> {
+        /// The steps by which a sphere's depth is moved where the map has none of its own: those of 24 bits.
+        const STEPS: f32 = 16_777_215.0;
+        if !self.settings.pancake || fit.outcome == FitOutcome::NothingVisible {
+            return None;
+        }
+        let eye = self.fitted(self.subject.eye.as_ref()?);
+        let room = Room { light, fit, draft };
+        let range = match asked {
+            Looked::All => visible_range(&eye, self.subject.bounds, self.shadow_distance())?,
+            Looked::Slice(range) => range,
+            Looked::Sphere(range) => {
+                let sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, range);
+                let steps = if draft.depth_steps > 0.0 { draft.depth_steps } else { STEPS };
+                let rounding = f64::from(draft.rounding_depth[0] + draft.rounding_depth[1]) * (fit.range.far - fit.range.near);
+                let room = [room.metres(DVec3::ZERO) + rounding, room.metres_behind() + rounding];
+                return sphere_depths(fit, &eye, sphere, self.subject, room, f64::from(steps));
+            }
+        };
+        let body = visible_in_view(&eye, range, self.subject, fit);
+        if eye.samples.is_empty() {
+            return room.depths(body.vertices().iter().copied());
+        }
+        // Samples say where receivers are. One at the rim may be in the map by the rounding of single precision.
+        let (row, w, sides) = (eye.distance_row(), fit.clip_from_world().row(3), fit.sides());
+        let is_asked = |point: &DVec3| {
+            let point = point.extend(1.0);
+            let (distance, beyond) = (row.dot(point), -RANGE_MARGIN * w.dot(point));
+            let is_in_range = distance >= range[0] && distance <= range[1] && fit.half_space.dot(point) >= 0.0;
+            is_in_range && sides.iter().all(|plane| plane.dot(point) >= beyond)
+        };
+        room.depths(eye.samples.iter().map(|point| point.as_dvec3()).filter(is_asked))
     }
 
     /// Where cascades begin and end: with numbers above 0 that grow, so that splits by factors exist.

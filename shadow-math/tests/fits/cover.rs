@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use shadow_math::{
     Fit, LightKind, PlanError, Projection, Receiver, Selection, Split,
     bounds::Aabb,
-    depth::DEPTH_REVERSED,
+    depth::DEPTH_Z_OVER_W,
     fit::{CUBE_FACES, MIN_NEAR_SHARE, cube_face_of},
     glam::{DVec3, DVec4, Vec3},
     plan::{LightPlan, SELECT_BY_CONTAINMENT, SPLIT_CASCADES, SPLIT_CUBE, ViewPlan, toward_light},
@@ -14,14 +14,14 @@ use shadow_math::{
 use super::scenes::{Case, Random, case};
 
 /// The fits that follow what is seen, and the uniform one.
-const FITS: [Fit; 4] = [Fit::Uniform, Fit::Focused, Fit::Lispsm, Fit::OgreLispsm];
+pub(crate) const FITS: [Fit; 4] = [Fit::Uniform, Fit::Focused, Fit::Lispsm, Fit::OgreLispsm];
 
-fn row(numbers: [f32; 4]) -> DVec4 {
+pub(crate) fn row(numbers: [f32; 4]) -> DVec4 {
     DVec4::from_array(numbers.map(f64::from))
 }
 
 /// A point of a ray to the light inside a box: where it enters and leaves, as shares of the way to a light at a place, or in metres.
-fn within(bounds: Aabb, from: DVec3, way: DVec3, longest: f64) -> Option<[f64; 2]> {
+pub(crate) fn within(bounds: Aabb, from: DVec3, way: DVec3, longest: f64) -> Option<[f64; 2]> {
     let (mut begin, mut end) = (0.0_f64, longest);
     for axis in 0..3 {
         let (low, high) = (f64::from(bounds.min[axis]) - from[axis], f64::from(bounds.max[axis]) - from[axis]);
@@ -38,7 +38,7 @@ fn within(bounds: Aabb, from: DVec3, way: DVec3, longest: f64) -> Option<[f64; 2
 }
 
 /// Whether the camera sees a point that nothing hides.
-fn is_seen(case: &Case, point: DVec3) -> bool {
+pub(crate) fn is_seen(case: &Case, point: DVec3) -> bool {
     let view = case.camera.view_from_world().transform_point3(point);
     let half = case.camera.half_extent(case.aspect);
     let (spread, near, far) = match case.camera.projection {
@@ -50,7 +50,7 @@ fn is_seen(case: &Case, point: DVec3) -> bool {
 }
 
 /// The axis of the map that a point asks of a light at a place, and whether the light reaches it.
-fn axis_and_reach(case: &Case, point: DVec3) -> (DVec3, bool) {
+pub(crate) fn axis_and_reach(case: &Case, point: DVec3) -> (DVec3, bool) {
     let from_light = |position: Vec3| point - position.as_dvec3();
     match case.light.kind {
         LightKind::Directional { direction } => (direction.as_dvec3().normalize(), true),
@@ -71,21 +71,24 @@ fn axis_and_reach(case: &Case, point: DVec3) -> (DVec3, bool) {
 }
 
 /// How a view sees a point.
-struct Place {
-    w: f64,
+pub(crate) struct Place {
+    pub(crate) w: f64,
     texel: [f64; 2],
     /// z / w, 0 toward the light.
-    depth: f64,
+    pub(crate) depth: f64,
+    /// The same as casters are drawn.
+    pub(crate) drawn: f64,
     /// The bounds on the rounding of texels and of depth.
-    slack: [f64; 2],
+    pub(crate) slack: [f64; 2],
 }
 
-fn place(view: &ViewPlan, point: DVec3) -> Place {
+pub(crate) fn place(view: &ViewPlan, point: DVec3) -> Place {
     let [x, y, z, w] = [view.clip_x, view.clip_y, view.clip_z, view.clip_w].map(|r| row(r).dot(point.extend(1.0)));
     let texel = [0, 1].map(|i| [x, y][i] / w * f64::from(view.texel_scale[i]) + f64::from(view.texel_offset[i]));
     let bound = |[anywhere, over_w]: [f32; 2]| f64::from(anywhere) + f64::from(over_w) / w;
-    let depth = if view.depth_kind == DEPTH_REVERSED { 1.0 - z / w } else { z / w };
-    Place { w, texel, depth, slack: [bound(view.rounding_texels), bound(view.rounding_depth)] }
+    let forward = |z: f64| if view.depth_kind == DEPTH_Z_OVER_W { z / w } else { 1.0 - z / w };
+    let (depth, drawn) = (forward(z), forward(row(view.drawn_z).dot(point.extend(1.0))));
+    Place { w, texel, depth, drawn, slack: [bound(view.rounding_texels), bound(view.rounding_depth)] }
 }
 
 /// Counts of what was tried.
@@ -94,6 +97,7 @@ struct Tried {
     receivers: usize,
     casters: usize,
     blended: usize,
+    pancaked: usize,
 }
 
 fn check_receiver(case: &Case, light: &LightPlan, views: &[ViewPlan], point: Vec3, random: &mut Random, tried: &mut Tried) {
@@ -169,15 +173,22 @@ fn check_receiver(case: &Case, light: &LightPlan, views: &[ViewPlan], point: Vec
             );
         }
         assert!(here.depth >= -here.slack[1], "{point} is nearer than view {index}: {} (slack {:?})", here.depth, here.slack);
+        if view.is_pancaked() {
+            tried.pancaked += 1;
+            // What lies behind all casters can lie behind the far plane, too.
+            let is_behind_all = here.drawn >= 1.0 - here.slack[1];
+            assert!(is_behind_all || here.depth <= 1.0 + here.slack[1], "{point} is farther than view {index}: {}", here.depth);
+        }
         for &at in &shadowing {
             tried.casters += 1;
             let there = place(view, at);
             assert!(there.w > 0.0);
             let slack = here.slack[1] + there.slack[1];
             assert!(
-                there.depth >= -slack && there.depth <= here.depth.min(1.0) + slack,
-                "the caster at {at} has a depth of {} in view {index} before {point} with {} (slack {slack})",
+                there.drawn >= -slack && there.drawn <= 1.0 + slack && there.depth <= here.depth.min(1.0) + slack,
+                "the caster at {at} has a depth of {}, drawn at {}, in view {index} before {point} with {} (slack {slack})",
                 there.depth,
+                there.drawn,
                 here.depth,
             );
         }
@@ -225,7 +236,7 @@ fn enough_is_tried() {
     for seed in 0..2000 {
         check_case(seed, [1e-3, 1e6], &mut tried);
     }
-    assert!(tried.receivers > 5000 && tried.casters > 10_000 && tried.blended > 200, "{tried:?}");
+    assert!(tried.receivers > 5000 && tried.casters > 10_000 && tried.blended > 200 && tried.pancaked > 1000, "{tried:?}");
     let by_containment = (0..2000).filter(|seed| {
         let case = case(*seed, &FITS, [1.0, 10.0], 1);
         matches!(case.settings.split, Split::Cascades(cascades) if cascades.selection == Selection::Containment)

@@ -3,6 +3,7 @@
 mod cascades;
 mod cover;
 mod outcomes;
+mod pancake;
 mod plane_optimal;
 mod rays;
 mod scenes;

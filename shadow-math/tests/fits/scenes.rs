@@ -274,6 +274,7 @@ pub(crate) fn case(seed: u64, fits: &[Fit], sizes: [f64; 2], count: usize) -> Ca
         bias: random.of(&[Bias::Automatic, Bias::NONE]),
         filter: random.of(&[Filter::Hard, Filter::Bilinear, Filter::Box5]),
         map_size: random.of(&[64, 256, 1024]),
+        pancake: random.once_in(2),
         ..ShadowSettings::default()
     };
     Case { light, casters, bounds, camera, aspect: random.between(0.5, 2.5), samples, plane, settings }

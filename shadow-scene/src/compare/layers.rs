@@ -422,7 +422,8 @@ fn depth_tolerance(first: &[f32], second: &[f32], width: u32, index: usize) -> f
 fn map_tolerance(view: Option<&ViewPlan>, first: &[f32], second: &[f32], width: u32, index: usize) -> f64 {
     let allowed = depth_tolerance(first, second, width, index);
     let Some(view) = view else { return allowed };
-    let mut more = 0.0;
+    // What is off by so much as it is drawn is off by as much more as the view's own planes are nearer to each other.
+    let mut more = tolerance::DEPTH * (f64::from(view.drawn_scale) - 1.0).max(0.0);
     if view.depth_steps > 0.0 {
         more += 1.0 / f64::from(view.depth_steps);
     }

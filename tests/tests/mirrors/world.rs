@@ -46,7 +46,7 @@ impl World {
             }
             let globals = Globals { lights, views, materials, words, map_size: MAP_SIZE, depths };
             let mut world = Self { globals, receivers: Vec::new() };
-            world.receivers = (0..24 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
+            world.receivers = (0..30 * COUNT).map(|index| world.new_receiver(index, &mut random)).collect();
             world.plant_ties();
             world
         })
@@ -471,6 +471,20 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
         }
         add_with(kinds[5].0, ShadowSettings { shadow_distance: Some(8.0), ..hard });
     }
+    // Pancaked views, of what is near to the camera, for every store that has them and casters that are drawn deeper. The room for the automatic bias would fill maps as small as these.
+    let near = ShadowSettings { pancake: true, shadow_distance: Some(9.0), ..ShadowSettings::default() };
+    for (kind, split) in [kinds[1], kinds[2], kinds[5]] {
+        for store in Store::ALL.into_iter().filter(|store| !matches!(store, Store::Second | Store::Midpoint)) {
+            add_with(kind, ShadowSettings { split, store, bias: Bias::constant(0.02), ..near });
+        }
+        let polygon_offset = Some(PolygonOffset { slope: 1.5, units: 40.0, clamp: 0.05 });
+        for store in [Store::Depth16, Store::Reversed32] {
+            let bias = Bias::Parts(BiasParts { polygon_offset, ..BiasParts::NONE });
+            add_with(kind, ShadowSettings { split, store, bias, ..near });
+        }
+        let ogre_2006 = Some(Ogre2006 { metres: 0.1, is_corrected: false });
+        add_with(kind, ShadowSettings { split, bias: Bias::Parts(BiasParts { ogre_2006, ..BiasParts::NONE }), ..near });
+    }
     // A part of the layer, as an atlas has it.
     for view in views.iter_mut().step_by(3).filter(|view| view.has_map()) {
         view.rect = [2, 1, MAP_SIZE - 5, MAP_SIZE - 3];
@@ -643,7 +657,7 @@ pub(super) fn magnitude_of_need(
     let along = normal.dot(Vec3::new(view.clip_w[0], view.clip_w[1], view.clip_w[2]));
     let rest = view.depth_factor - needed_depth(light, view, point, normal, w, footprint) * height * along;
     let rest_scale = view.depth_factor + needed * height_scale;
-    let is_choice = is_tie(needed_depth(light, view, point, normal, w, footprint) - MAX_DEPTH_BIAS, needed)
+    let is_choice = is_tie(needed_depth(light, view, point, normal, w, footprint) - MAX_DEPTH_BIAS.max(view.drawn_scale), needed)
         || (toward.dot(toward) - limit).abs() <= 1e-4 * limit
         || is_tie(rest, rest_scale)
         || is_tie(height, height_scale);
