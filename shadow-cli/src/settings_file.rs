@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use shadow_math::{
     Filter, Fit, FitFrom, Selection, ShadowSettings, Store, Terminator, Texels,
+    plan::check_settings,
     settings::{FilterRadii, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE},
 };
 use toml::Spanned;
@@ -311,6 +312,10 @@ pub(crate) fn parse(text: &str) -> Result<(Option<String>, ShadowSettings), Sett
         };
         SettingsError { line: line_of(text, key), problem }
     })?;
+    check_settings(&settings).map_err(|error| {
+        let key = light_camera::key_of(&error);
+        SettingsError { line: line_of(text, key), problem: error.to_string() }
+    })?;
     Ok((name, settings))
 }
 
@@ -506,6 +511,21 @@ mod tests {
             ("split = \"cascades\"\nsplits = \"uniform\"\nlambda = 1", 3, ["lambda", "splits = \"practical\""]),
             ("fit = \"focused\"\nplane = [0, 1, 0, 0]", 2, ["plane", "fit = \"plane-optimal\""]),
             ("fit = \"best\"", 1, ["best", "plane-optimal"]),
+            ("split = \"cascades\"\nlambda = 3.0", 2, ["3", "between 0"]),
+            ("split = \"cascades\"\n\npadding = -1.0", 3, ["-1 m", "at least 0"]),
+            ("cascade-blend = 2.0\nsplit = \"cascades\"", 1, ["blend of 2", "from 0"]),
+            ("split = \"cascades\"\ncascades = 9", 2, ["9 cascades", "1 to 8"]),
+            ("split = \"cascades\"\nsplits = [5.0, 4.0, 6.0]", 2, ["4 m", "increasing"]),
+            ("split = \"cascades\"\ncascade-sizes = [4096]", 2, ["4096", "2048"]),
+            ("fit = \"lispsm\"\nsplit = \"cascades\"\nlispsm-factors = [-1.0]", 3, ["-1", "at least 0"]),
+            ("split = \"cascades\"\nfit = \"focused\"\nstabilise = true", 3, ["focused", "uniform"]),
+            ("split = \"cascades\"\nmap-size = 1000\nstabilise = true", 3, ["1000", "512 or 1024"]),
+            ("fit = \"plane-optimal\"\nsplit = \"cascades\"", 2, ["plane-optimal", "one map"]),
+            ("fit = \"plane-optimal\"\nplane = [0, 0, 0, 1]", 2, ["0,0,0,1", "no normal"]),
+            ("shadow-distance = 0.0", 1, ["0 m", "above 0"]),
+            ("fit = \"lispsm\"\nstore = \"linear\"", 2, ["linear", "lispsm"]),
+            ("fit = \"lispsm\"\nbias = \"ogre-2006\"", 2, ["ogre-2006", "lispsm"]),
+            ("store = \"midpoint\"\npancake = true", 2, ["midpoint", "near plane"]),
             ("bias = \"flat\"", 1, ["flat", "receiver-plane"]),
             ("\nbias = \"slope+receiver-plane\"", 2, ["slope", "leave one"]),
             ("bias = \"normal-offset\"\nbias-normal = 9", 2, ["9", "from 0 to 8"]),

@@ -6,6 +6,7 @@
 //! All types are `repr(C)` and `Pod`, laid out as WGSL lays out storage buffers; `plan.wgsl` repeats them.
 
 mod build;
+mod check;
 mod data;
 mod error;
 mod lengths;
@@ -14,6 +15,7 @@ mod view;
 mod views;
 
 pub use build::{plan_camera, plan_light, plan_unshadowed_light};
+pub use check::check_settings;
 pub use data::{
     BIAS_AUTOMATIC, BIAS_BACK_FACES, BIAS_CONSTANT, BIAS_NONE, BIAS_NORMAL_OFFSET, BIAS_OGRE_2006, BIAS_POLYGON_OFFSET,
     BIAS_RECEIVER_GRADIENT, BIAS_RECEIVER_PLANE, BIAS_SLOPE, COMPOSE_ADDITIVE, COMPOSE_FACTOR, COMPOSE_MODULATIVE,

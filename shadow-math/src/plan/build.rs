@@ -8,6 +8,7 @@ use super::data::{
     LIGHT_SPOT, LightPlan, PixelRays, TERMINATOR_HARD, TERMINATOR_SOFT, ViewPlan,
 };
 use super::{
+    check::check_settings,
     error::PlanError,
     view::{pixel_rays, rows},
     views::{plan_views, view_count},
@@ -18,10 +19,7 @@ use crate::{
     filter::kernel::set_filter,
     fit::Subject,
     light::{Light, LightKind},
-    settings::{
-        Bias, BiasParts, MAX_MAP_SIZE, MAX_NORMAL_TEXELS, MIN_MAP_SIZE, Ogre2006, PolygonOffset, ReceiverGradient, SUBPIXEL_BITS,
-        ShadowSettings, Store, Terminator,
-    },
+    settings::{Bias, BiasParts, MAX_NORMAL_TEXELS, Ogre2006, PolygonOffset, ReceiverGradient, ShadowSettings, Terminator},
     spaces::ClipDepth,
 };
 
@@ -91,13 +89,7 @@ pub fn plan_light(
     views: &mut [ViewPlan],
 ) -> Result<LightPlan, PlanError> {
     light.validate()?;
-    let size = settings.map_size;
-    if !(MIN_MAP_SIZE..=MAX_MAP_SIZE).contains(&size) {
-        return Err(PlanError::MapSize(size));
-    }
-    if !SUBPIXEL_BITS.contains(&settings.subpixel_bits) {
-        return Err(PlanError::SubpixelBits(settings.subpixel_bits));
-    }
+    check_settings(settings)?;
     if subject.bounds.is_empty() {
         return Err(PlanError::EmptyBounds);
     }
@@ -106,7 +98,6 @@ pub fn plan_light(
     let views = views.get_mut(..count).ok_or(PlanError::Views { needed: count, given })?;
     let mut plan = plan_unshadowed_light(light, settings, first_view)?;
     plan.view_count = count as u32;
-    check_store(settings)?;
     plan_views(&mut plan, light, subject, settings, first_layer, views)?;
     let is_usable =
         views[..plan.view_count as usize].iter().all(is_usable_view) && are_finite(&[&plan.view_distance, &[plan.shadow_far]]);
@@ -264,27 +255,6 @@ fn set_bias(plan: &mut LightPlan, bias: Bias) -> Result<(), PlanError> {
         (plan.gradient_fixed, plan.gradient_clamp, plan.gradient_scale) = (fixed, clamp, scale);
     }
     Ok(())
-}
-
-/// Whether what is stored goes together with the bias and with pancaking.
-fn check_store(settings: &ShadowSettings) -> Result<(), PlanError> {
-    let ShadowSettings { store, bias, pancake, .. } = *settings;
-    let is_of_two = matches!(store, Store::Second | Store::Midpoint);
-    if pancake && is_of_two {
-        return Err(PlanError::PancakeOfTwo(store));
-    }
-    let Bias::Parts(parts) = bias else { return Ok(()) };
-    let (is_linear, is_reversed) = (store == Store::Linear, store == Store::Reversed32);
-    let refused = [
-        (parts.polygon_offset.is_some() && (is_linear || is_of_two), "polygon-offset"),
-        (parts.ogre_2006.is_some() && (is_linear || is_of_two || is_reversed), "ogre-2006"),
-        (parts.receiver_plane.is_some() && is_linear, "receiver-plane"),
-        (parts.receiver_gradient.is_some() && is_reversed, "receiver-gradient"),
-    ];
-    match refused.into_iter().find(|(is_refused, _)| *is_refused) {
-        Some((_, bias)) => Err(PlanError::BiasOfOtherStores { bias, store }),
-        None => Ok(()),
-    }
 }
 
 /// The scale and offset of KHR_lights_punctual's angular falloff, "Inner and Outer Cone Angles".

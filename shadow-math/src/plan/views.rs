@@ -18,7 +18,7 @@ use crate::{
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     polytope::Polytope,
-    settings::{Cascades, Fit, FitFrom, MAX_CASCADES, MIN_MAP_SIZE, Selection, ShadowSettings, Split, SplitScheme, Store},
+    settings::{Cascades, Fit, FitFrom, MAX_CASCADES, Selection, ShadowSettings, Split, SplitScheme},
     splits::{histogram_bin, practical_split, quantile_splits},
 };
 
@@ -55,13 +55,12 @@ pub(super) fn plan_views(
     first_layer: u32,
     views: &mut [ViewPlan],
 ) -> Result<(), PlanError> {
-    check_fit(light, settings)?;
+    if let (Split::Cascades(Cascades { stabilised: true, .. }), Some(_)) = (settings.split, light.position()) {
+        return Err(PlanError::StabilisedLight);
+    }
     let guard = guard_texels(plan, settings.bias);
     plan.guard_texels = guard as f32;
     if let Some(metres) = settings.shadow_distance {
-        if !(metres.is_finite() && metres > 0.0) {
-            return Err(PlanError::ShadowDistance(metres));
-        }
         plan.shadow_far = metres;
     }
     if let Some(eye) = subject.eye {
@@ -101,7 +100,7 @@ pub(super) fn plan_views(
             fitting.set_selection(plan, &cascades, &ends);
             let mut asked = Asked { range: covered, ..Asked::default() };
             for (cascade, view) in views.iter_mut().enumerate() {
-                let size = fitting.map_size_of(&cascades, cascade)?;
+                let size = cascades.map_sizes[cascade].unwrap_or(settings.map_size);
                 fitting.check_size(size)?;
                 let slice = fitting.padded_slice(plan, &cascades, &ends, covered, cascade)?;
                 let fit = fitting.cascade(&cascades, cascade, slice, &mut asked, size)?;
@@ -132,55 +131,6 @@ pub(super) fn plan_views(
                 };
                 write(view, &fit, Looked::All);
             }
-        }
-    }
-    Ok(())
-}
-
-/// Whether fit, store, bias and light go together.
-fn check_fit(light: &Light, settings: &ShadowSettings) -> Result<(), PlanError> {
-    if let Some(plane) = settings.plane {
-        let normal = DVec3::new(f64::from(plane[0]), f64::from(plane[1]), f64::from(plane[2]));
-        if !(plane.iter().all(|number| number.is_finite()) && normal.length_squared() > 0.0) {
-            return Err(PlanError::Plane(plane));
-        }
-    }
-    // The settings' own, and those of single cascades.
-    let mut fits = [None; 1 + MAX_CASCADES];
-    fits[0] = Some(settings.fit);
-    if let Split::Cascades(cascades) = settings.split {
-        if !(cascades.padding.is_finite() && cascades.padding >= 0.0) {
-            return Err(PlanError::Padding(cascades.padding));
-        }
-        if !(0.0..=1.0).contains(&cascades.blend) {
-            return Err(PlanError::Blend(cascades.blend));
-        }
-        if let Some(&factor) = cascades.lispsm_factors.iter().find(|factor| !(factor.is_finite() && **factor >= 0.0)) {
-            return Err(PlanError::LispsmFactor(factor));
-        }
-        // Those beyond the last cascade are nobody's.
-        let count = (cascades.count as usize).min(MAX_CASCADES);
-        fits[1..=count].copy_from_slice(&cascades.fits[..count]);
-        if cascades.stabilised {
-            if light.position().is_some() {
-                return Err(PlanError::StabilisedLight);
-            }
-            if let Some(fit) = fits.into_iter().flatten().find(|fit| *fit != Fit::Uniform) {
-                return Err(PlanError::StabilisedFit(fit));
-            }
-        }
-        if let Some(fit) = fits.into_iter().flatten().find(|fit| fit.makes_one_map()) {
-            return Err(PlanError::FitOfCascades(fit));
-        }
-    }
-    for fit in fits.into_iter().flatten().filter(|fit| fit.is_warped()) {
-        let store = settings.store;
-        let is_coarse = fit == Fit::PlaneOptimal && store == Store::Depth16;
-        if store == Store::Linear || is_coarse {
-            return Err(PlanError::StoreOfFit { fit, store });
-        }
-        if let crate::Bias::Parts(crate::settings::BiasParts { ogre_2006: Some(_), .. }) = settings.bias {
-            return Err(PlanError::BiasOfFit { fit, bias: "ogre-2006" });
         }
     }
     Ok(())
@@ -433,12 +383,7 @@ impl Fitting<'_> {
         ends[0] = near;
         match cascades.scheme {
             SplitScheme::Explicit(given) => {
-                let mut before = 0.0;
                 for (end, &metres) in ends[1..count].iter_mut().zip(&given) {
-                    if !(metres.is_finite() && metres > before) {
-                        return Err(PlanError::SplitDistance(metres));
-                    }
-                    before = metres;
                     *end = f64::from(metres).clamp(near, far);
                 }
             }
@@ -460,9 +405,6 @@ impl Fitting<'_> {
                     SplitScheme::Practical(lambda) => lambda,
                     _ => 1.0,
                 };
-                if !(0.0..=1.0).contains(&lambda) {
-                    return Err(PlanError::Lambda(lambda));
-                }
                 for (i, end) in ends[..=count].iter_mut().enumerate() {
                     *end = practical_split(near, far, f64::from(lambda), i, count);
                 }
@@ -539,16 +481,6 @@ impl Fitting<'_> {
         Ok(fit::widened_slice(self.eye()?, bounds, [begin, end]))
     }
 
-    /// The size of a cascade's map in texels.
-    fn map_size_of(&self, cascades: &Cascades, cascade: usize) -> Result<u32, PlanError> {
-        let most = self.settings.map_size;
-        match cascades.map_sizes[cascade] {
-            None => Ok(most),
-            Some(size) if (MIN_MAP_SIZE..=most).contains(&size) => Ok(size),
-            Some(size) => Err(PlanError::CascadeMapSize { size, most }),
-        }
-    }
-
     /// One cascade. `asked` says who asks it, and is told of it.
     fn cascade(
         &self,
@@ -561,9 +493,6 @@ impl Fitting<'_> {
         let frame = self.frame(None);
         let eye = self.eye()?;
         if cascades.stabilised {
-            if !size.is_power_of_two() {
-                return Err(PlanError::StabilisedMapSize(size));
-            }
             let mut sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, slice);
             if let (Selection::Containment, Some(before)) = (cascades.selection, asked.sphere.filter(|_| cascades.blend > 0.0)) {
                 let around = (sphere.distance - before.distance).abs() + before.radius;
