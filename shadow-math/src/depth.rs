@@ -25,7 +25,8 @@ pub const LAYER_MIDPOINT: u32 = 2;
 
 /// What a map holds of a depth that was drawn, from 0 to 1.
 ///
-/// In a [pancaked](crate::fit::ViewFit::pancaked) view what lies before the near plane is held as lying on it, and what lies behind the far plane on that.
+/// In a [pancaked](crate::fit::ViewFit::pancaked) view what lies before the near plane is held as lying on it, and what lies behind the far plane on that. A drawn depth
+/// of the far plane, where nothing is, stays one.
 ///
 /// With reversed depth r, far plane f and near plane n, the distance w along the axis is `n f / (n + r (f - n))`, and its share of the range `(w - n) / (f - n) = (1 - r) / (1 + r (f - n) / n)`. The
 /// order of depths stays, or is turned round for all: the nearest drawn is the nearest stored.
@@ -35,6 +36,14 @@ pub fn encoded_depth(view: &ViewPlan, drawn: f32) -> f32 {
     let mut depth = drawn;
     if view.drawn_scale > 0.0 {
         depth = (drawn * view.drawn_scale + view.drawn_offset).max(0.0).min(1.0);
+        // Where nothing is drawn there is nothing, wherever the far plane lies.
+        if view.depth_kind == DEPTH_Z_OVER_W {
+            if drawn >= 1.0 {
+                depth = 1.0;
+            }
+        } else if drawn <= 0.0 {
+            depth = 0.0;
+        }
     }
     if view.depth_kind == DEPTH_LINEAR {
         depth = (1.0 - depth) / (1.0 + depth * view.range_over_near);

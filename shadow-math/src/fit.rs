@@ -111,6 +111,14 @@ impl ViewFit {
         [w + x, w - x, w + y, w - y]
     }
 
+    /// The same, `texels` farther out.
+    #[must_use]
+    pub fn sides_widened_by(&self, texels: f64) -> [DVec4; 4] {
+        // Half the map is 1 in clip space.
+        let beyond = self.clip_from_world().row(3) * (2.0 * texels / f64::from(self.size));
+        self.sides().map(|side| side + beyond)
+    }
+
     /// The row that takes points to their distance along the axis, in metres; 1 everywhere for parallel light.
     #[must_use]
     pub fn distance_row(&self) -> DVec4 {

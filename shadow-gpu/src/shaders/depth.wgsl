@@ -12,6 +12,14 @@ fn encoded_depth(view: u32, drawn: f32) -> f32 {
     var depth = drawn;
     if views[view].drawn_scale > 0.0 {
         depth = min(max(drawn * views[view].drawn_scale + views[view].drawn_offset, 0.0), 1.0);
+        // Where nothing is drawn there is nothing, wherever the far plane lies.
+        if depth_kind(view) == DEPTH_Z_OVER_W {
+            if drawn >= 1.0 {
+                depth = 1.0;
+            }
+        } else if drawn <= 0.0 {
+            depth = 0.0;
+        }
     }
     if depth_kind(view) == DEPTH_LINEAR {
         depth = (1.0 - depth) / (1.0 + depth * views[view].range_over_near);

@@ -159,9 +159,11 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
 
 /// All points that the camera sees between two distances along its axis, in metres, that lie within the bounds, that a caster can shadow and that a light's view has: what can ask its map. Empty where that is nothing.
 ///
+/// `rim` is by how many texels a lookup can lie from its receiver: those beyond the map's sides by as much may ask.
+///
 /// The planes are at most 6 of the frustum, 6 of the bounds, 9 of the shadow volume, 4 of the map and 1 of its half-space.
 #[must_use]
-pub fn visible_in_view(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, view: &ViewFit) -> Polytope {
+pub fn visible_in_view(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>, view: &ViewFit, rim: f64) -> Polytope {
     let casters = subject.caster_bounds();
     let Ok(slice) = Frustum::slice(&eye.camera, eye.aspect, near.max(0.0), far) else { return Polytope::EMPTY };
     if casters.is_empty() {
@@ -170,7 +172,7 @@ pub fn visible_in_view(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'
     let mut body = Polytope::from_frustum(&slice);
     body.clip_to_bounds(subject.bounds);
     let (planes, count) = shadow_planes(casters, view.light());
-    for plane in planes[..count].iter().chain(&view.sides()).chain([&view.half_space]) {
+    for plane in planes[..count].iter().chain(&view.sides_widened_by(rim)).chain([&view.half_space]) {
         body.clip(*plane);
     }
     body

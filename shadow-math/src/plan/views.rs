@@ -12,9 +12,8 @@ use crate::{
     filter::guard_texels,
     fit::{
         self, CUBE_FACES, CascadeSphere, Content, Eye, FallBack, FitOutcome, LightFrame, LispsmWarp, MAX_POINTS, OGRE_THRESHOLD,
-        OgreSetup, RANGE_MARGIN, Subject, ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view,
-        ogre_warp, optimal_warp, plane_depth_factor, plane_optimal, sphere_depths, stabilised_view, visible_body,
-        visible_in_view, visible_range,
+        OgreSetup, Subject, ViewFit, boxed_view, focused_view, lispsm_view, ogre_tweak, ogre_uniform_view, ogre_warp,
+        optimal_warp, plane_depth_factor, plane_optimal, stabilised_view, visible_body, visible_in_view, visible_range,
     },
     light::{Light, LightKind, MAX_SINGLE_MAP_OUTER_ANGLE},
     polytope::Polytope,
@@ -338,35 +337,31 @@ impl Fitting<'_> {
 
     /// The depths of a view between which receivers ask its map, with room for their biases; `None` where it is not to be pancaked, or nothing is gained. `draft` is the view's plan as it is.
     fn depths(&self, light: &LightPlan, fit: &ViewFit, draft: &ViewPlan, asked: Looked) -> Option<[f64; 2]> {
-        /// The steps by which a sphere's depth is moved where the map has none of its own: those of 24 bits.
-        const STEPS: f32 = 16_777_215.0;
         if !self.settings.pancake || fit.outcome == FitOutcome::NothingVisible {
             return None;
         }
         let eye = self.fitted(self.subject.eye.as_ref()?);
-        let room = Room { light, fit, draft };
+        let room = Room::of(light, fit, draft);
         let range = match asked {
             Looked::All => visible_range(&eye, self.subject.bounds, self.shadow_distance())?,
             Looked::Slice(range) => range,
             Looked::Sphere(range) => {
                 let sphere = CascadeSphere::around(eye.camera.projection, eye.aspect, range);
-                let steps = if draft.depth_steps > 0.0 { draft.depth_steps } else { STEPS };
-                let rounding = f64::from(draft.rounding_depth[0] + draft.rounding_depth[1]) * (fit.range.far - fit.range.near);
-                let room = [room.metres(DVec3::ZERO) + rounding, room.metres_behind() + rounding];
-                return sphere_depths(fit, &eye, sphere, self.subject, room, f64::from(steps));
+                return room.sphere_depths(&eye, sphere, self.subject);
             }
         };
-        let body = visible_in_view(&eye, range, self.subject, fit);
+        // A lookup that is moved, and one whose place is rounded, may be in the map where its receiver is not.
+        let rim = f64::from(light.guard_texels) + 1.0;
         if eye.samples.is_empty() {
-            return room.depths(body.vertices().iter().copied());
+            return room.depths(visible_in_view(&eye, range, self.subject, fit, rim).vertices().iter().copied());
         }
-        // Samples say where receivers are. One at the rim may be in the map by the rounding of single precision.
-        let (row, w, sides) = (eye.distance_row(), fit.clip_from_world().row(3), fit.sides());
+        // Samples say where receivers are.
+        let (row, sides) = (eye.distance_row(), fit.sides_widened_by(rim));
         let is_asked = |point: &DVec3| {
             let point = point.extend(1.0);
-            let (distance, beyond) = (row.dot(point), -RANGE_MARGIN * w.dot(point));
+            let distance = row.dot(point);
             let is_in_range = distance >= range[0] && distance <= range[1] && fit.half_space.dot(point) >= 0.0;
-            is_in_range && sides.iter().all(|plane| plane.dot(point) >= beyond)
+            is_in_range && sides.iter().all(|side| side.dot(point) >= 0.0)
         };
         room.depths(eye.samples.iter().map(|point| point.as_dvec3()).filter(is_asked))
     }

@@ -423,14 +423,15 @@ fn map_tolerance(view: Option<&ViewPlan>, first: &[f32], second: &[f32], width: 
     let allowed = depth_tolerance(first, second, width, index);
     let Some(view) = view else { return allowed };
     // What is off by so much as it is drawn is off by as much more as the view's own planes are nearer to each other.
-    let mut more = tolerance::DEPTH * (f64::from(view.drawn_scale) - 1.0).max(0.0);
+    let drawn = tolerance::DEPTH * f64::from(view.drawn_scale).max(1.0);
+    let mut more = drawn - tolerance::DEPTH;
     if view.depth_steps > 0.0 {
         more += 1.0 / f64::from(view.depth_steps);
     }
     if view.depth_kind == DEPTH_LINEAR {
         let [near, far] = view.depth_range.map(f64::from);
         let w = near + (far - near) * f64::from(first[index].max(second[index]).clamp(0.0, 1.0));
-        more += tolerance::DEPTH * (w * w / (near * far)).max(1.0);
+        more += drawn * (w * w / (near * far)).max(1.0);
     }
     allowed + more
 }
