@@ -311,6 +311,17 @@ proptest! {
     }
 }
 
+/// Scenes in which a shadow was once lost: by steps along the normal that lead behind the far plane, or into the map from beside it, and by receivers that lie behind all casters.
+#[test]
+fn rare_scenes_keep_their_shadows() {
+    for seed in [9366, 36_410, 71_345, 149_027, 12_281_249_299_421_689_794] {
+        check_outcome(seed, &mut [0; 2]);
+    }
+    for seed in [13_443, 14_336, 41_001, 109_518] {
+        check_room(seed, [1e-3, 1e6], &mut Tried::default());
+    }
+}
+
 #[test]
 fn both_outcomes_are_tried() {
     let mut outcomes = [0; 2];
