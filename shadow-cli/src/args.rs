@@ -465,7 +465,8 @@ pub(crate) struct MeasureArgs {
         value_name = "FILE",
         conflicts_with_all = [
             "preset", "map_size", "filter", "filter_radius", "store", "texels", "terminator", "bias", "bias_constant", "bias_scale", "bias_normal", "bias_limit", "bias_gradient",
-            "bias_offset", "bias_push"
+            "bias_offset", "bias_push", "fit", "fit_from", "plane", "split", "cascades", "splits", "lambda", "padding", "cascade_blend", "cascade_select", "stabilise", "cascade_sizes", "cascade_fits",
+            "lispsm_factors", "pancake", "shadow_distance"
         ],
         help_heading = "Shadows"
     )]

@@ -50,7 +50,7 @@ pub(crate) fn stretch_color(stretch: f32) -> [u8; 3] {
 }
 
 /// What the colours of stretches mean.
-pub(crate) const STRETCH_LEGEND: &str = "blue is 8 texels and more to a pixel, white one to one, yellow 3 pixels to a texel, red 8 and more; dark where no light arrives";
+pub(crate) const STRETCH_LEGEND: &str = "blue is 8 texels and more to a pixel, white one to one, yellow 3 pixels to a texel, red 8 and more; dark where a surface faces away from the light";
 
 #[cfg(test)]
 mod tests {

@@ -45,7 +45,7 @@ pub(crate) struct LightCameraArgs {
     pub(crate) cascades: Option<u32>,
 
     /// Where cascades end: uniform, logarithmic, practical, histogram (as many samples in each), or distances in metres with commas, one fewer than cascades [default: practical]
-    #[arg(long, value_name = "SCHEME|D1,D2..", value_parser = split_distances, help_heading = "Light cameras")]
+    #[arg(long, value_name = "SCHEME|D1,D2..", value_parser = split_distances, allow_hyphen_values = true, help_heading = "Light cameras")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) splits: Option<SplitsSpec>,
 
@@ -84,7 +84,9 @@ pub(crate) struct LightCameraArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cascade_fits: Option<Vec<Fit>>,
 
-    /// What the best warp is weakened by in each cascade of lispsm, with commas; 0 does not warp; the last goes on [default: 1]
+    /// Factors on the parameter of the warp in each cascade of lispsm, with commas; the last goes on [default: 1]
+    ///
+    /// 1 is the best by the paper, more warps less, less warps more, and 0 does not warp at all. For a single map take --split cascades --cascades 1.
     #[arg(long, value_name = "X1,X2..", value_delimiter = ',', allow_negative_numbers = true, help_heading = "Light cameras")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) lispsm_factors: Option<Vec<f32>>,
@@ -164,6 +166,14 @@ impl LightCameraArgs {
             }
         };
         let fit_from = self.fit_from.unwrap_or_default();
+        // Maps of all that the light reaches, and spheres that hold the view at every turn, do not ask what is seen; depth for what is seen alone does.
+        let asks_nobody = match split {
+            Split::Cascades(cascades) => cascades.stabilised,
+            _ => fit == Fit::Uniform && !self.pancake,
+        };
+        if fit_from == FitFrom::Samples && asks_nobody {
+            return meaningless("fit-from", &["fit focused", "fit lispsm"]);
+        }
         let Self { plane, pancake, shadow_distance, .. } = *self;
         Ok(ShadowSettings { fit, fit_from, split, plane, pancake, shadow_distance, ..settings })
     }
@@ -204,9 +214,10 @@ impl LightCameraArgs {
             Some(SplitsSpec::Distances(distances)) => {
                 if distances.len() + 1 != count as usize {
                     let problem = format!(
-                        "{} distances end {} cascades, and there are {count}: give one distance fewer than cascades, for the last one ends with the shadows",
+                        "{} distances end {ends} cascades, and there are {count}{}: give one distance fewer than cascades, for the last one ends with the shadows; or take {ends} cascades",
                         distances.len(),
-                        distances.len() + 1
+                        if self.cascades.is_none() { " by default" } else { "" },
+                        ends = distances.len() + 1
                     );
                     return Err(wrong("splits", problem));
                 }
@@ -283,7 +294,7 @@ pub(crate) fn key_of(error: &PlanError) -> &'static str {
         PlanError::CascadeMapSize { .. } => "cascade-sizes",
         PlanError::LispsmFactor(_) => "lispsm-factors",
         PlanError::StabilisedFit(_) | PlanError::StabilisedMapSize(_) => "stabilise",
-        PlanError::FitOfCascades(_) => "split",
+        PlanError::FitOfCascades(_) | PlanError::FitOfCube(_) => "split",
         PlanError::StoreOfFit { .. } => "store",
         PlanError::BiasOfFit { .. } | PlanError::BiasOfOtherStores { .. } => "bias",
         PlanError::PancakeOfTwo(_) => "pancake",
@@ -421,7 +432,7 @@ mod tests {
         for fit in Fit::ALL {
             for split in splits {
                 let plane = (fit == Fit::PlaneOptimal).then_some([0.0, 1.0, 0.0, -0.5]);
-                let settings = ShadowSettings {
+                let mut settings = ShadowSettings {
                     fit,
                     split,
                     plane,
@@ -436,6 +447,12 @@ mod tests {
                     assert!(said.of(ShadowSettings::default()).is_err());
                     continue;
                 }
+                if matches!(split, Split::Cascades(Cascades { stabilised: true, .. })) {
+                    // So are samples for spheres that do not follow them.
+                    assert!(said.of(ShadowSettings::default()).is_err());
+                    settings.fit_from = FitFrom::Frustum;
+                }
+                let said = LightCameraArgs::saying(&settings);
                 assert_eq!(said.of(ShadowSettings::default()), Ok(settings));
                 let file = crate::settings_file::SettingsReport::of("it", &settings).file("# it");
                 let read = crate::settings_file::parse(&file).map(|(_, settings)| settings);

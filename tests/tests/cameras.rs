@@ -52,6 +52,34 @@ fn every_fit_and_split_agrees_with_every_store() {
     assert!(failures.is_empty(), "{failures}");
 }
 
+/// Receivers below all casters: where a map has none of these, it holds nothing, on both renderers, wherever the view's planes lie.
+#[test]
+fn a_ground_that_casts_no_shadow_is_shadowed_by_what_does() {
+    const PICTURE: (u32, u32) = (96, 54);
+    let cpu = CpuRenderer::new(2, renderers::rules()).expect("the threads start");
+    let scene = lit("demo").with_casters(|_, instance| instance.name != "ground");
+    assert!(scene.instances().iter().any(|instance| !instance.casts_shadows), "the demo has a ground");
+    let prepared = cpu.prepare(&scene);
+    let uploaded = pollster::block_on(renderers::gpu().upload(&scene)).expect("it can be uploaded");
+    let (mut failures, mut pancaked) = (String::new(), 0);
+    for cameras in cameras::all().into_iter().filter(|cameras| cameras.pancake) {
+        for store in [Store::Depth32, Store::Depth16, Store::Reversed32, Store::Linear] {
+            let name = format!("no ground, {}, {}", cameras.name, store.name());
+            let settings = ShadowSettings { store, map_size: 128, ..renderers::settings() };
+            let plan =
+                cameras.plan((&cpu, &prepared), &scene, &settings, PICTURE).unwrap_or_else(|error| panic!("{name}: {error}"));
+            pancaked += plan.views.iter().filter(|view| view.is_pancaked()).count();
+            let on_cpu = cpu.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;
+            let on_gpu = pollster::block_on(renderers::gpu().render(&uploaded, &plan, Request::ALL));
+            let on_gpu = on_gpu.unwrap_or_else(|error| panic!("{name}: {error}")).frame;
+            let comparison = compare(&on_cpu, &on_gpu, &scene, &plan, contract()).expect("both have all layers");
+            failures += &disagreement(&name, &comparison, &on_cpu, &on_gpu).unwrap_or_default();
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+    assert!(pancaked > 20, "{pancaked} views are pancaked");
+}
+
 /// Whatever the fit and the split, the automatic bias leaves nothing that shadows itself; between blended cascades, too.
 #[test]
 fn no_fit_or_split_has_acne() {

@@ -61,7 +61,7 @@ fn no_shadow_changes_where_depth_has_32_bits() {
     say(&format!(
         "no_shadow_changes_where_depth_has_32_bits: {changed} of {pixels} change in {pancaked} views, whose depth is up to {gained:.1} times as fine"
     ));
-    assert!(pancaked > 80 && gained > 50.0, "{pancaked} views are pancaked, by up to {gained}");
+    assert!(pancaked > 60 && gained > 50.0, "{pancaked} views are pancaked, by up to {gained}");
     // Every pixel has what a bias of this kind gives it: not one may change but by single precision, which here none does.
     assert_eq!(changed, 0, "of {pixels}");
 }

@@ -119,7 +119,8 @@ through the middle of its texel meets it.
 rmse is the root of the mean squared error of visibility against the light's
 whole size (see --light). Stability is the share of points of the surfaces
 whose visibility changes for no reason while the camera moves by a third of a
-texel, turns by 0.1 degrees or zooms by 1 %, or the light moves a little.
+texel, turns by 0.1 degrees or zooms by 1 %, or the light moves a little; the
+column unstable is the worst of the first three, and --json has all of them.
 
 m is over how many pixels one texel of a map smears, in the direction in which
 it is longest: the largest singular value of d(pixel) / d(texel) on the

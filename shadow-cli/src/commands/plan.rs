@@ -16,6 +16,7 @@ use crate::{
     bias::{BiasNames, summary},
     console::{Console, print, print_json, table},
     error::CliError,
+    light_camera::{self, LightCameraArgs},
     light_drawing::light_drawing,
     output::{check_drawing_path, write_text},
     resolve::{Job, kind_name, view_names},
@@ -67,6 +68,11 @@ struct LightReport<'a> {
     store: Store,
     bias: BiasReport,
     filter: Filter,
+    /// The light's cameras as a settings file has them.
+    cameras: LightCameraArgs,
+    /// The same in a few words.
+    #[serde(skip)]
+    cameras_summary: String,
     /// Where each cascade ends, in metres from the camera along its axis; empty without cascades. The last one goes on to wherever shadows end.
     cascade_ends: Vec<f32>,
     views: Vec<ViewReport>,
@@ -168,6 +174,8 @@ impl<'a> LightReport<'a> {
                 summary: summary(settings.bias),
             },
             filter: settings.filter,
+            cameras: LightCameraArgs::saying(settings),
+            cameras_summary: light_camera::summary(settings),
             cascade_ends: match plan.split {
                 SPLIT_CASCADES => plan.split_far.as_flattened()[..views.len() - 1].to_vec(),
                 _ => Vec::new(),
@@ -217,7 +225,8 @@ pub(super) fn run(args: &PlanArgs) -> Result<Verdict, CliError> {
     }
     console.finish();
     let report = Report::of(&job);
-    if args.json { print_json(&report) } else { print(&text(&report)) }?;
+    let written = args.draw.as_ref().map(|path| format!("wrote {}\n", path.display())).unwrap_or_default();
+    if args.json { print_json(&report) } else { print(&(text(&report) + &written)) }?;
     Ok(Verdict::Done)
 }
 
@@ -273,6 +282,11 @@ fn text(report: &Report<'_>) -> String {
         }
     }
     text.push_str(&table(&rows, |column| !(3..=5).contains(&column)));
+    for light in report.lights.iter().filter(|light| !light.cameras_summary.is_empty()) {
+        let ends: Vec<String> = light.cascade_ends.iter().map(|end| format!("{end:.2}")).collect();
+        let ends = if ends.is_empty() { String::new() } else { format!(", which end at {} m from the camera", ends.join(", ")) };
+        text.push_str(&format!("light {}{}{ends}\n", light.light, light.cameras_summary.replacen(',', ":", 1)));
+    }
     if let Some(spec) = spec {
         let roll = if *is_level { "" } else { " (which is level, as this one is not)" };
         text.push_str(&format!("to vary the camera, begin with --camera '{spec}'{roll}\n"));

@@ -2,8 +2,8 @@
 
 use super::error::PlanError;
 use crate::settings::{
-    Bias, BiasParts, Cascades, Fit, MAX_CASCADES, MAX_MAP_SIZE, MIN_MAP_SIZE, SUBPIXEL_BITS, ShadowSettings, Split, SplitScheme,
-    Store,
+    Bias, BiasParts, Cascades, Fit, MAX_CASCADES, MAX_MAP_SIZE, MIN_MAP_SIZE, Ogre2006, SUBPIXEL_BITS, ShadowSettings, Split,
+    SplitScheme, Store,
 };
 
 /// Whether numbers are in their ranges, and fit, split, store and bias go together. The numbers of the bias and of the filter are looked at where a light is planned.
@@ -55,17 +55,25 @@ pub fn check_settings(settings: &ShadowSettings) -> Result<(), PlanError> {
             return Err(PlanError::FitOfCascades(fit));
         }
     }
+    if settings.split == Split::Cube && settings.fit.makes_one_map() {
+        return Err(PlanError::FitOfCube(settings.fit));
+    }
     for fit in fits.into_iter().flatten().filter(|fit| fit.is_warped()) {
         let store = settings.store;
         let is_coarse = fit == Fit::PlaneOptimal && store == Store::Depth16;
         if store == Store::Linear || is_coarse {
             return Err(PlanError::StoreOfFit { fit, store });
         }
-        if let Bias::Parts(BiasParts { ogre_2006: Some(_), .. }) = settings.bias {
-            return Err(PlanError::BiasOfFit { fit, bias: "ogre-2006" });
+        if let Bias::Parts(BiasParts { ogre_2006: Some(ogre), .. }) = settings.bias {
+            return Err(PlanError::BiasOfFit { fit, bias: name_of(ogre) });
         }
     }
     Ok(())
+}
+
+/// The name of the article's caster shader, of its text or as it was published.
+fn name_of(ogre: Ogre2006) -> &'static str {
+    if ogre.is_corrected { "ogre-2006-corrected" } else { "ogre-2006" }
 }
 
 /// Whether the numbers of cascades are in their ranges; `most` is the size of the settings' maps in texels.
@@ -118,7 +126,7 @@ fn check_store(settings: &ShadowSettings) -> Result<(), PlanError> {
     let (is_linear, is_reversed) = (store == Store::Linear, store == Store::Reversed32);
     let refused = [
         (parts.polygon_offset.is_some() && (is_linear || is_of_two), "polygon-offset"),
-        (parts.ogre_2006.is_some() && (is_linear || is_of_two || is_reversed), "ogre-2006"),
+        (parts.ogre_2006.is_some() && (is_linear || is_of_two || is_reversed), parts.ogre_2006.map_or("", name_of)),
         (parts.receiver_plane.is_some() && is_linear, "receiver-plane"),
         (parts.receiver_gradient.is_some() && is_reversed, "receiver-gradient"),
     ];

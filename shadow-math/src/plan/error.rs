@@ -107,6 +107,8 @@ pub enum PlanError {
     StabilisedMapSize(u32),
     /// A fit that is for one map alone, in cascades.
     FitOfCascades(Fit),
+    /// A fit that is for one map alone, in a cube.
+    FitOfCube(Fit),
     /// The distance in metres up to which there are shadows is not above 0.
     ShadowDistance(f32),
     /// The plane has no normal, or is not finite.
@@ -205,7 +207,7 @@ impl core::fmt::Display for PlanError {
             Self::BiasOfOtherStores { bias, store } => {
                 let (why, stores) = match *bias {
                     "polygon-offset" => ("is an offset of a depth format's steps", "depth32, depth24, depth16 or reversed32"),
-                    "ogre-2006" => ("adds to depth that grows away from the light", "depth32, depth24 or depth16"),
+                    "ogre-2006" | "ogre-2006-corrected" => ("adds to depth that grows away from the light", "depth32, depth24 or depth16"),
                     "receiver-gradient" => ("takes a share of depth that grows away from the light", "any store but reversed32"),
                     _ => ("needs depth that is flat over a plane's image", "any store but linear"),
                 };
@@ -275,6 +277,7 @@ impl core::fmt::Display for PlanError {
                 )
             }
             Self::FitOfCascades(fit) => write!(f, "the fit {} makes one map of all that is seen, which cascades split; take another fit, or one map", fit.name()),
+            Self::FitOfCube(fit) => write!(f, "the fit {} makes one map of all that is seen, whatever the light, which a cube's faces split; take another fit, or leave the cube out", fit.name()),
             Self::ShadowDistance(metres) => write!(f, "shadows up to {metres} m from the camera make no sense; the distance must be finite and above 0"),
             Self::Plane(plane) => write!(
                 f,
