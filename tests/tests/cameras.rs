@@ -77,7 +77,7 @@ fn a_ground_that_casts_no_shadow_is_shadowed_by_what_does() {
         }
     }
     assert!(failures.is_empty(), "{failures}");
-    assert!(pancaked > 20, "{pancaked} views are pancaked");
+    assert!(pancaked >= 20, "{pancaked} views are pancaked");
 }
 
 /// Whatever the fit and the split, the automatic bias leaves nothing that shadows itself; between blended cascades, too.
