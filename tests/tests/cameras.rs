@@ -26,10 +26,10 @@ fn lit(name: &str) -> Scene {
 fn every_fit_and_split_agrees_with_every_store() {
     const PICTURE: (u32, u32) = (96, 54);
     let cpu = CpuRenderer::new(2, renderers::rules()).expect("the threads start");
-    let scenes: Vec<Scene> = builtin::NAMES.iter().map(|name| lit(name)).collect();
     let mut failures = String::new();
     let mut turn = 0;
-    for scene in &scenes {
+    for of_scene in builtin::NAMES {
+        let scene = &lit(of_scene);
         let prepared = cpu.prepare(scene);
         let uploaded = pollster::block_on(renderers::gpu().upload(scene)).expect("it can be uploaded");
         for cameras in cameras::all() {
@@ -39,7 +39,7 @@ fn every_fit_and_split_agrees_with_every_store() {
             // Small maps of cascades have room for narrow filters alone.
             let filter = if cameras.name == "cascades of all kinds" { Filter::Bilinear } else { filter };
             let settings = ShadowSettings { store, filter, map_size: 128, ..renderers::settings() };
-            let name = format!("{} {} {}", cameras.name, store.name(), filter.name());
+            let name = format!("{of_scene}, {}, {}, {}", cameras.name, store.name(), filter.name());
             let plan =
                 cameras.plan((&cpu, &prepared), scene, &settings, PICTURE).unwrap_or_else(|error| panic!("{name}: {error}"));
             let on_cpu = cpu.render(&prepared, &plan, Request::ALL).expect("the picture is small").frame;

@@ -84,7 +84,7 @@ pub fn sphere_depths(
     }
     let middle = eye.camera.eye + eye.camera.direction() * sphere.distance;
     let top = toward_light.dot(middle + subject.origin) + sphere.radius + before;
-    let top = (top / step).ceil() * step - toward_light.dot(subject.origin);
+    let top = -(-top / step).floor() * step - toward_light.dot(subject.origin);
     let near_plane = toward_light.dot(view.view_from_world.inverse().w_axis.truncate()) - view.range.near;
     Some([(near_plane - top) / whole, (near_plane - top + length) / whole])
 }
