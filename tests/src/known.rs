@@ -42,6 +42,20 @@ const LLVMPIPE_ON_OPENGL: &[KnownIssue] = &[
     },
 ];
 
+/// SwiftShader. A bar of the pergola, a quarter of a texel thin, crosses the far plane of a spot light's cascade. It is cut there, and its new corners are rounded to sixteenths of a texel; one texel, whose centre lies within a
+/// hundredth of that on the bar's edge, is covered otherwise. Which rounding it is has not been found: every other cut of these tests comes out to the bit.
+const SWIFTSHADER: &[KnownIssue] =
+    &[cut("demo, uniform cascades, linear, poisson"), cut("demo, stabilised cascades, second, hard")];
+
+/// A thin triangle that is cut by the far plane.
+const fn cut(case: &'static str) -> KnownIssue {
+    KnownIssue {
+        case,
+        figure: "shadow-map:1:1: 1 pixels differ, 1 break the contract",
+        reason: "the corner where the far plane cuts a thin bar is rounded the other way",
+    }
+}
+
 /// Far surfaces close to each other, seen by a camera of reversed depth.
 const fn far(case: &'static str, figure: &'static str) -> KnownIssue {
     KnownIssue { case, figure, reason: "reversed depth near 0 loses its digits in 2 z - w" }
@@ -57,7 +71,13 @@ const fn thin(case: &'static str) -> KnownIssue {
 fn of_adapter() -> &'static [KnownIssue] {
     let adapter = gpu().adapter();
     let is_llvmpipe = adapter.name.contains("llvmpipe") && adapter.driver_info.contains("Mesa 22.3.");
-    if adapter.backend == "gl" && is_llvmpipe { LLVMPIPE_ON_OPENGL } else { &[] }
+    if adapter.name.contains("SwiftShader") {
+        SWIFTSHADER
+    } else if adapter.backend == "gl" && is_llvmpipe {
+        LLVMPIPE_ON_OPENGL
+    } else {
+        &[]
+    }
 }
 
 /// What there is to say of a case, given what a comparison says of it: nothing where its failure is known, and that it is mended where it should fail.
