@@ -284,7 +284,8 @@ fn text(report: &Report<'_>) -> String {
     text.push_str(&table(&rows, |column| !(3..=5).contains(&column)));
     for light in report.lights.iter().filter(|light| !light.cameras_summary.is_empty()) {
         let ends: Vec<String> = light.cascade_ends.iter().map(|end| format!("{end:.2}")).collect();
-        let ends = if ends.is_empty() { String::new() } else { format!(", which end at {} m from the camera", ends.join(", ")) };
+        let ends =
+            if ends.is_empty() { String::new() } else { format!("; cascades end at {} m from the camera", ends.join(", ")) };
         text.push_str(&format!("light {}{}{ends}\n", light.light, light.cameras_summary.replacen(',', ":", 1)));
     }
     if let Some(spec) = spec {
