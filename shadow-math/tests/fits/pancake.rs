@@ -2,13 +2,15 @@
 
 use proptest::prelude::*;
 use shadow_math::{
-    Bias, Camera, Cascades, Filter, Fit, FitFrom, LightKind, Projection, Receiver, ShadowSettings, Split, Store,
+    Bias, Camera, Cascades, Filter, Fit, FitFrom, LightKind, PlanError, Projection, Receiver, ShadowSettings, Split, Store,
+    bias::{needed_depth, normal_offset},
     bounds::Aabb,
+    caster::{caster_offset, pushed_depth},
     depth::{DEPTH_LINEAR, DEPTH_Z_OVER_W, comparable_depth, depth_limits, encoded_depth, linear_bias},
-    fit::{FitOutcome, MIN_PANCAKE_SHARE},
-    glam::{DVec3, Vec3},
-    plan::{LightPlan, ViewPlan, toward_light},
-    settings::BiasParts,
+    fit::{FitOutcome, MIN_PANCAKE_SHARE, Subject},
+    glam::{DVec3, Vec2, Vec3},
+    plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_light, toward_light},
+    settings::{BiasParts, Ogre2006, PolygonOffset},
     visibility::{MapAccess, NO_VIEW, choose_views, lookup_in_view, visibility},
 };
 
@@ -329,6 +331,127 @@ fn both_outcomes_are_tried() {
         check_outcome(seed, &mut outcomes);
     }
     assert!(outcomes.into_iter().all(|count| count > 1000), "{outcomes:?} are dark and lit");
+}
+
+/// Casters are drawn deeper by as much as in a view that is not pancaked: by steps and slopes of the view's own depth, and by the same metres.
+#[test]
+fn casters_are_pushed_in_the_views_own_depth() {
+    let (mut by_steps, mut by_metres) = (0, 0);
+    for seed in 0..3000 {
+        let mut case = pancaked_case(seed, [1.0, 100.0]);
+        if case.settings.fit.is_warped() || matches!(case.settings.split, Split::Cascades(_)) {
+            continue;
+        }
+        let metres = 0.02 * case.bounds.radius();
+        let polygon_offset = Some(PolygonOffset { slope: 0.0, units: 20.0, clamp: 0.0 });
+        let ogre_2006 = Some(Ogre2006 { metres, is_corrected: false });
+        case.settings.store = if seed % 2 == 0 { Store::Depth16 } else { Store::Depth32 };
+        case.settings.bias = Bias::Parts(if seed % 2 == 0 {
+            BiasParts { polygon_offset, ..BiasParts::NONE }
+        } else {
+            BiasParts { ogre_2006, ..BiasParts::NONE }
+        });
+        let Ok((_, views)) = case.plan() else { continue };
+        for view in views.iter().filter(|view| view.is_pancaked() && view.has_map()) {
+            for point in &case.samples {
+                let here = place(view, point.as_dvec3());
+                if here.w <= 0.0 || here.depth <= 0.0 || here.drawn >= 1.0 {
+                    continue;
+                }
+                // What slopes add is left out, and steps of the format that the result is rounded to.
+                let level = ViewPlan { caster_slope: 0.0, ..*view };
+                let offset = caster_offset(&level, *point, *point + Vec3::X, *point + Vec3::Y);
+                let unrounded = ViewPlan { depth_steps: 0.0, ..*view };
+                let pushed = f64::from(encoded_depth(&unrounded, pushed_depth(view, here.drawn as f32, offset)));
+                if pushed >= 1.0 {
+                    continue;
+                }
+                let bound = here.slack[1] + 1e-5;
+                if seed % 2 == 0 {
+                    by_steps += 1;
+                    let steps = (pushed - here.depth) * f64::from(view.depth_steps);
+                    assert!((steps - 20.0).abs() <= bound * f64::from(view.depth_steps), "{steps} steps in {view:?}");
+                } else {
+                    by_metres += 1;
+                    // To the first order: `factor metres / w^2` in a perspective view.
+                    let expected = f64::from(view.depth_factor) * f64::from(metres) / (here.w * here.w);
+                    let off = (pushed - here.depth - expected).abs();
+                    assert!(off <= bound + 1e-4 * expected, "{} instead of {expected}: {:?}", pushed - here.depth, case.settings);
+                }
+            }
+        }
+    }
+    assert!(by_steps > 300 && by_metres > 300, "{by_steps} by steps, {by_metres} by metres");
+}
+
+/// A steep plane whose need is more than a pancaked view's own range has its lookup moved, as without pancaking: it is not lit for that.
+#[test]
+fn lookups_on_steep_planes_are_moved() {
+    let mut beyond_range = 0;
+    for seed in 0..4000 {
+        let mut case = pancaked_case(seed, [1.0, 1000.0]);
+        (case.settings.bias, case.settings.store) = (Bias::Automatic, Store::Depth32);
+        let Ok((light, views)) = case.plan() else { continue };
+        case.settings.pancake = false;
+        let (plain_light, plain_views) = case.plan().expect("it could be planned pancaked");
+        let random = &mut Random(seed ^ 5);
+        for &point in case.samples.iter().filter(|point| axis_and_reach(&case, point.as_dvec3()).1) {
+            let toward = toward_light(&light, point).as_dvec3().normalize();
+            let across = random.direction().cross(toward).normalize_or(toward.any_orthonormal_vector());
+            let normal = (toward + across * STEEPEST * random.between(2.0, 20.0)).normalize().as_vec3();
+            let choice = choose_views(&light, &views, &Receiver::new(point, normal));
+            if choice.first == NO_VIEW || !views[choice.first as usize].is_pancaked() {
+                continue;
+            }
+            let need_and_step = |light: &LightPlan, view: &ViewPlan| {
+                let w = place(view, point.as_dvec3()).w as f32;
+                let needed = needed_depth(light, view, point, normal, w, [Vec2::ZERO; 2]);
+                (needed, normal_offset(light, view, point, normal, needed, w))
+            };
+            let (needed, step) = need_and_step(&light, &views[choice.first as usize]);
+            let (plain_needed, plain_step) = need_and_step(&plain_light, &plain_views[choice.first as usize]);
+            // Where it needs nearly all that there is without pancaking, rounding may decide.
+            if plain_step > 0.0 && plain_needed < 0.9 {
+                assert!(step > 0.0, "{point} needs {needed}, {plain_needed} without pancaking, and stays");
+                beyond_range += usize::from(needed >= 1.0);
+            }
+        }
+    }
+    assert!(beyond_range > 100, "{beyond_range} need more than the view's own range");
+}
+
+/// The planes by which casters are drawn are those of the view that is not pancaked.
+#[test]
+fn casters_are_drawn_between_the_planes_that_enclose_them() {
+    let mut compared = 0;
+    for seed in 0..2000 {
+        let mut case = pancaked_case(seed, [1.0, 100.0]);
+        let Ok((_, pancaked)) = case.plan() else { continue };
+        case.settings.pancake = false;
+        let (_, plain) = case.plan().expect("it could be planned pancaked");
+        for (view, plain) in pancaked.iter().zip(&plain).filter(|(view, _)| view.is_pancaked() && view.is_warped == 0) {
+            compared += 1;
+            let ([near, far], expected) = (view.drawn_range(), plain.depth_range.map(f64::from));
+            // Parallel light's distances are counted from its own near plane.
+            let begin = if view.w_per_metre == 0.0 { near } else { 0.0 };
+            // The depths of the planes are f32, and a step of depth is `far / near` times as long at the far plane as the range is on average.
+            let stretch = if view.w_per_metre == 0.0 { 1.0 } else { expected[1] / expected[0] };
+            let bound = 8.0 * f64::from(f32::EPSILON) * stretch.max(f64::from(view.drawn_scale)) * expected[1];
+            let off = [near - begin - expected[0], far - begin - expected[1]];
+            assert!(off.into_iter().all(|off| off.abs() < bound), "{near} to {far} m instead of {expected:?}");
+        }
+    }
+    assert!(compared > 500, "{compared} views");
+}
+
+/// Nobody looks: what is seen is not known.
+#[test]
+fn pancaking_asks_for_a_camera() {
+    let case = pancaked_case(1, [1.0, 10.0]);
+    let subject = Subject::unseen(&case.casters, case.bounds);
+    let settings = ShadowSettings { pancake: true, ..ShadowSettings::default() };
+    let mut views = vec![ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+    assert_eq!(plan_light(&case.light, &subject, &settings, [0, 0], &mut views), Err(PlanError::NoCamera));
 }
 
 /// A stabilised range has one length to the bit, and begins at a whole one of its steps, wherever the camera is and looks.
