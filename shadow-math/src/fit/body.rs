@@ -146,7 +146,7 @@ pub fn visible_body(eye: &Eye<'_>, [near, far]: [f64; 2], subject: &Subject<'_>,
         }
         // The near rule goes by what is left and by the casters: those that it drops must not be missed by receivers that it keeps.
         let farthest = farthest_of(&body, frame).min(farthest_of(&Polytope::from_bounds(casters), frame));
-        if !(farthest > touching_distance(frame.eye.length().max(f64::from(subject.bounds.abs_max().length())))) {
+        if !(farthest > touching_distance(frame.eye, f64::from(subject.bounds.abs_max().length()))) {
             return Polytope::EMPTY;
         }
         body.clip(-z - DVec4::W * (MIN_NEAR_SHARE * farthest));

@@ -120,7 +120,7 @@ fn perspective_rectangle(
     casters: &[Aabb],
     size: u32,
 ) -> ViewFit {
-    let is_before = farthest > touching_distance(frame.eye.length()) && farthest.is_finite();
+    let is_before = farthest > touching_distance(frame.eye, 0.0) && farthest.is_finite();
     let limit = if is_before { frame.limit.min(farthest) } else { frame.limit };
     let world_from_view = DMat4::from_rotation_translation(frame.rotation, frame.eye);
     let range = range_in_view(world_from_view, image, casters, limit);

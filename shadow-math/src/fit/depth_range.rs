@@ -8,7 +8,7 @@
 use glam::{DMat4, DVec3};
 
 use super::Window;
-use crate::{bounds::Aabb, polytope::Polytope};
+use crate::{bounds::Aabb, polytope::Polytope, rounding::UNIT_ROUNDOFF};
 
 /// The near plane of a perspective view lies at least at this share of the far plane's distance.
 ///
@@ -20,14 +20,17 @@ pub const MIN_NEAR_SHARE: f64 = 1.0 / 1024.0;
 /// By what share of itself a range is widened at either end, so that no caster is clipped by the rounding of its depth.
 pub const RANGE_MARGIN: f64 = 1.0 / 1024.0;
 
-/// What lies before a light by less than this share of the coordinates is there by rounding: a light that touches a box sees nothing of the side that it touches.
+/// What lies before a light by less than this share of the sizes around it is there by rounding: a light that touches a box sees nothing of the side that it touches.
 ///
-/// Coordinates turned into a light's view are off by some ten times 2^-53 of their size, and the corners of cut bodies by 2^-42 ([`Polytope::clip`]).
-const TOUCHING: f64 = 1.0 / (1_u64 << 40) as f64;
+/// The corners of cut bodies are off by 2^-42 of their size ([`Polytope::clip`]), measured across the plane that cuts: a box whose side the light lies in is met by a plane along that side a thousand times as far
+/// from where it should be.
+const TOUCHING: f64 = 1.0 / (1_u64 << 32) as f64;
 
-/// The distance up to which something counts as touching a light, where positions have coordinates up to `largest` metres.
-pub(super) fn touching_distance(largest: f64) -> f64 {
-    TOUCHING * largest
+/// The distance up to which something counts as touching a light at `eye`, where there are bodies with a size up to `largest`, in metres.
+///
+/// Positions are given in single precision: what is nearer to the light than that tells has no distance.
+pub(super) fn touching_distance(eye: DVec3, largest: f64) -> f64 {
+    UNIT_ROUNDOFF * eye.length() + TOUCHING * largest
 }
 
 /// The distances of the near and far planes from the eye along the view axis, in metres.
@@ -60,13 +63,13 @@ pub fn range_in_view(world_from_view: DMat4, image: Window, casters: &[Aabb], li
     let Window { min, max } = image;
     let sides =
         [DVec3::new(1.0, 0.0, min.x), DVec3::new(-1.0, 0.0, -max.x), DVec3::new(0.0, 1.0, min.y), DVec3::new(0.0, -1.0, -max.y)];
-    let position = world_from_view.w_axis.truncate().length();
+    let eye = world_from_view.w_axis.truncate();
     let mut near = f64::INFINITY;
     let mut far = 0.0_f64;
     for caster in casters.iter().filter(|caster| !caster.is_empty()) {
         let turned = TurnedBox::of(*caster, view_from_world);
         let [nearest, farthest] = turned.extent_along(DVec3::NEG_Z);
-        let touching = touching_distance(position + turned.center.length());
+        let touching = touching_distance(eye, turned.center.length());
         // What changes nothing need not be cut.
         if farthest <= touching || nearest.max(0.0) >= near && farthest <= far {
             continue;

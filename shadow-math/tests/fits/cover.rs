@@ -229,6 +229,14 @@ fn what_is_as_small_as_rounding_is_in_the_map() {
     }
 }
 
+/// Scenes in which a lamp touches the corner of a caster, of which a narrow view once saw the rounding: a depth too short for single precision.
+#[test]
+fn a_light_that_touches_a_caster_has_a_map() {
+    for seed in [802_258, 18_222_438_094_714_653_524, 1_278_047_922_325_096_081, 2_009_943_942_272_206_842] {
+        check_case(seed, [1e-3, 1e6], &mut Tried::default());
+    }
+}
+
 /// The test above tries what it says: so many receivers, casters and blends, for each way to choose cascades.
 #[test]
 fn enough_is_tried() {
