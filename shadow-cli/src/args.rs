@@ -496,7 +496,7 @@ pub(crate) struct MeasureArgs {
     /// `techniques`. Each of these has its `settings` (as a settings file has them, with the `name`; those of the first light), `pixels` (judged: those that show something a light can reach, once for
     /// each light), `wrong`, `causes` (pixels by cause), `at_terminator` (pixels whose two normals disagree about facing the light, wrong or not), `rmse`,
     /// `milliseconds` (medians: `shadow_maps`, `camera`, `shading`, `total`), `map_bytes`, `stability` (`move`, `turn`, `zoom`, `light`: shares that change for no
-    /// reason; `other_maps`: the share that asks other maps after a move or turn, and is not counted), `aliasing` (`pixels` that are counted and `grazing` ones that are not, `median`, `percentile_95`, `max` and `share_above_one` of m, and `waste`, the share of texels that nobody sees)
+    /// reason; `other_maps`: the share that asks other maps after a move or turn, and is not counted), `aliasing` (`pixels` that are counted and `grazing` ones that are not, `median`, `percentile_95`, `max` and `share_above_one` of m, which are null if none is counted, and `waste`, the share of texels that nobody sees)
     /// and `lights` (for each its `name`, `settings`, `pixels`, `wrong`, `causes`, `at_terminator`, `rmse` and `aliasing`).
     #[arg(long)]
     pub(crate) json: bool,

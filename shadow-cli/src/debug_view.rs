@@ -257,16 +257,20 @@ fn stretches(
     let of_light = &aliasing.lights[light];
     let pixels = of_light.stretches.iter().map(|&stretch| stretch_color(stretch)).collect();
     let statistics = of_light.statistics;
-    let numbers = format!(
-        "m, in pixels to a texel: median {:.2}, 95 % below {:.2}, at most {:.2}; above 1 in {:.1} % of {} pixels, without {} that the light grazes; {:.1} % of the map's texels are seen by none",
-        statistics.median,
-        statistics.percentile_95,
-        statistics.max,
-        100.0 * statistics.share_above_one(),
-        statistics.pixels,
-        statistics.grazing,
-        100.0 * statistics.waste(),
-    );
+    let numbers = if statistics.pixels == 0 {
+        "no pixel asks a map".into()
+    } else {
+        format!(
+            "m, in pixels to a texel: median {:.2}, 95 % below {:.2}, at most {:.2}; above 1 in {:.1} % of {} pixels, without {} that the light grazes; {:.1} % of the map's texels are seen by none",
+            statistics.median,
+            statistics.percentile_95,
+            statistics.max,
+            100.0 * statistics.share_above_one(),
+            statistics.pixels,
+            statistics.grazing,
+            100.0 * statistics.waste(),
+        )
+    };
     Ok((pixels, format!("{STRETCH_LEGEND}; {numbers}")))
 }
 

@@ -293,7 +293,7 @@ pub(crate) fn key_of(error: &PlanError) -> &'static str {
         PlanError::SplitDistance(_) => "splits",
         PlanError::CascadeMapSize { .. } => "cascade-sizes",
         PlanError::LispsmFactor(_) => "lispsm-factors",
-        PlanError::StabilisedFit(_) | PlanError::StabilisedMapSize(_) => "stabilise",
+        PlanError::StabilisedFit(_) | PlanError::StabilisedHistogram | PlanError::StabilisedMapSize(_) => "stabilise",
         PlanError::FitOfCascades(_) | PlanError::FitOfCube(_) => "split",
         PlanError::StoreOfFit { .. } => "store",
         PlanError::BiasOfFit { .. } | PlanError::BiasOfOtherStores { .. } => "bias",

@@ -68,6 +68,9 @@ pub struct ViewFit {
     pub is_warped: bool,
     /// The row that is at least 0 where the matrix has a meaning.
     pub half_space: DVec4,
+    /// The greatest w, for each metre along the axis of a light at a place, of what a warped view was fitted to, with a margin; infinite for others. A warp can leave one texel for all that lies beyond, up to infinity:
+    /// the map contains it, and is of no use there.
+    pub farthest_w: f64,
     /// How the view came about.
     pub outcome: FitOutcome,
 }
@@ -85,6 +88,7 @@ impl ViewFit {
             size,
             is_warped: false,
             half_space: DVec4::W,
+            farthest_w: f64::INFINITY,
             outcome: FitOutcome::Fitted,
         }
     }

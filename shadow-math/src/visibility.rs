@@ -155,11 +155,12 @@ pub fn choose_views(light: &LightPlan, views: &[ViewPlan], receiver: &Receiver) 
     choice
 }
 
-/// How far a point is from the rim of a view's map, less the guard band, as a share of half the map: 1 in the middle, below 0 in the band and outside. Below 0 behind the light, too, and where there is no map.
+/// How far a point is from the rim of a view's map, less the guard band, as a share of half the map: 1 in the middle, below 0 in the band and outside. Below 0 behind the light, too, where there is no map, and beyond what a
+/// warp was fitted to.
 #[inline(always)]
 fn distance_to_rim(light: &LightPlan, view: &ViewPlan, point: Vec3) -> f32 {
     let w = row_times_point(view.clip_w, point);
-    if w <= 0.0 || view.rect[2] == 0 {
+    if w <= 0.0 || view.rect[2] == 0 || w > view.farthest_w * row_times_point(view.distance, point) {
         return -1.0;
     }
     let x = row_times_point(view.clip_x, point) / w;

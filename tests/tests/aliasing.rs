@@ -4,7 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use glam::{DQuat, DVec3, Vec3};
 use shadow_cpu::measure::{AliasingStatistics, FrameAliasing, LightAliasing, MIN_COSINE, NO_STRETCH};
-use shadow_math::{Camera, Light, LightKind, Projection, ShadowSettings};
+use shadow_math::{Camera, Cascades, Light, LightKind, Projection, ShadowSettings, Split};
 use shadow_scene::{FramePlan, Material, Mesh, NO_TRIANGLE, Request, Scene, SceneBuilder, SceneLight, builtin, builtin::shapes};
 use shadow_tests::{lights, renderers::cpu};
 
@@ -234,6 +234,42 @@ fn a_view_is_as_large_as_its_rectangle() {
         stretches.len(),
         "left of it no map is asked"
     );
+}
+
+/// Where two cascades are blended, m lies between theirs, and the texels of both are seen.
+#[test]
+fn blended_cascades_share_their_stretch() {
+    let scene = builtin::demo();
+    let cascades = Cascades { count: 2, blend: 1.0, ..Cascades::default() };
+    let settings = ShadowSettings { split: Split::Cascades(cascades), map_size: MAP, ..ShadowSettings::default() };
+    let blended = FramePlan::new(&scene, &scene.cameras()[0].camera, &settings, WIDTH, HEIGHT, None).expect("it can be planned");
+    let with_first = |end: f32| {
+        let mut plan = blended.clone();
+        plan.lights[0].split_far[0][0] = end;
+        plan.lights[0].split_band = [[0.0; 4]; 2];
+        measured(&scene, &plan).0
+    };
+    let (shared, unshared) = (measured(&scene, &blended).0, with_first(blended.lights[0].split_far[0][0]));
+    let (first, second) = (with_first(f32::MAX), with_first(0.0));
+    let mut between = 0;
+    for pixel in 0..shared.stretches.len() {
+        let [m, alone, a, b] = [&shared, &unshared, &first, &second].map(|of| of.stretches[pixel]);
+        if [m, a, b].contains(&NO_STRETCH) || !m.is_finite() || a == b {
+            continue;
+        }
+        let share = (m - a) / (b - a);
+        // m is rounded to f32.
+        let rounding = 1e-5 * m / (b - a).abs();
+        if alone == a {
+            assert!(share > -rounding && share < 1.0 + rounding, "m of {m} between {a} and {b}");
+            between += usize::from(share > 0.1 && share < 0.9);
+        } else {
+            assert!((share - 1.0).abs() < rounding, "the last cascade is blended with none: {m}, {a} and {b}");
+        }
+    }
+    assert!(between > 1000, "{between} pixels lie well between two cascades");
+    let [shared, unshared] = [shared, unshared].map(|of| of.statistics.seen_texels);
+    assert!(shared > unshared + 1000, "{shared} texels are seen blended, and {unshared} without");
 }
 
 /// Without maps there is nothing to measure, and the sums have no part of it.

@@ -9,7 +9,7 @@ use shadow_math::{
     aliasing::Aliasing,
     plan::{FILTER_FOOTPRINT, LightPlan, ViewPlan},
     vector::row_times_point,
-    visibility::{footprint, lookup},
+    visibility::{NO_VIEW, choose_views, footprint, lookup_in_view},
 };
 use shadow_scene::{FramePlan, NO_TRIANGLE, Scene, SceneLight};
 
@@ -28,7 +28,8 @@ pub const NO_STRETCH: f32 = -1.0;
 
 /// The aliasing of the maps of one light, or of several together.
 ///
-/// Counted are the pixels that show a surface which the light can reach, which faces it by more than [`MIN_COSINE`], and which asks a map. m is [`Aliasing::largest`]: over how many pixels a texel smears.
+/// Counted are the pixels that show a surface which the light can reach, which faces it by more than [`MIN_COSINE`], and which asks a map. m is [`Aliasing::largest`]: over how many pixels a texel smears; of two maps that
+/// are blended each has its share of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AliasingStatistics {
     /// How many pixels are counted, once for each light.
@@ -212,20 +213,33 @@ struct Asking<'a> {
 
 impl Asking<'_> {
     /// m at a receiver, and the cosine between its normal and the light; marks the texels that it sees. `None` where no light arrives or no map is asked.
+    ///
+    /// Of two cascades that are blended each has its share of m, as it has of the picture.
     fn stretch_at(&self, receiver: &Receiver) -> Option<(f32, f64)> {
-        let (point, normal) = (receiver.point.as_dvec3(), receiver.normal.as_dvec3());
-        let toward = toward_center(self.scene_light, point)?;
-        let index = self.view_of(receiver)?;
-        let view = &self.plan.views[index as usize];
-        let Aliasing { largest, .. } = Aliasing::at(&self.plan.camera, view, point, normal)?;
-        self.maps[(index - self.light.first_view) as usize].mark(&Footprint::of(self.light, view, receiver));
-        Some((largest as f32, normal.normalize().dot(toward.normalize())))
+        let normal = receiver.normal.as_dvec3();
+        let toward = toward_center(self.scene_light, receiver.point.as_dvec3())?;
+        let choice = choose_views(self.light, &self.plan.views, receiver);
+        let first = self.stretch_in(choice.first, receiver);
+        let second = if choice.share > 0.0 { self.stretch_in(choice.second, receiver) } else { None };
+        let share = f64::from(choice.share);
+        let stretch = match (first, second) {
+            (Some(first), Some(second)) if share < 1.0 => first * (1.0 - share) + second * share,
+            (_, Some(alone)) | (Some(alone), None) => alone,
+            (None, None) => return None,
+        };
+        Some((stretch as f32, normal.normalize().dot(toward.normalize())))
     }
 
-    /// The view that a receiver asks, by its place among all views: the one place that knows how a light chooses among them.
-    fn view_of(&self, receiver: &Receiver) -> Option<u32> {
-        let found = lookup(self.light, &self.plan.views, receiver);
-        ((found.view as usize) < self.plan.views.len()).then_some(found.view)
+    /// m at a receiver in one view, by its place among all views; marks the texels that it sees there. `None` where it asks no texel of it.
+    fn stretch_in(&self, index: u32, receiver: &Receiver) -> Option<f64> {
+        let view = self.plan.views.get(index as usize)?;
+        if lookup_in_view(self.light, view, index, receiver).view == NO_VIEW {
+            return None;
+        }
+        let Aliasing { largest, .. } =
+            Aliasing::at(&self.plan.camera, view, receiver.point.as_dvec3(), receiver.normal.as_dvec3())?;
+        self.maps[(index - self.light.first_view) as usize].mark(&Footprint::of(self.light, view, receiver));
+        Some(largest)
     }
 }
 

@@ -105,7 +105,7 @@ fn choose_views(light: u32, receiver: Receiver) -> Choice {
 
 fn distance_to_rim(light: u32, view: u32, point: vec3f) -> f32 {
     let w = row_times_point(views[view].clip_w, point);
-    if w <= 0.0 || views[view].rect.z == 0u {
+    if w <= 0.0 || views[view].rect.z == 0u || w > views[view].farthest_w * row_times_point(views[view].distance, point) {
         return -1.0;
     }
     let x = row_times_point(views[view].clip_x, point) / w;

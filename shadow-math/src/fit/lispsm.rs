@@ -29,6 +29,9 @@ pub const MAX_WARP_PARAMETER: f64 = 1024.0;
 /// The least warp parameter, in sizes of the image: w then grows by a factor of a thousand over it, and single precision keeps four digits of what is far away.
 const MIN_WARP_PARAMETER: f64 = 1.0 / 1024.0;
 
+/// By what share more than the greatest w of its body a warped view is of use: w is off by up to a sixteenth of 1 ([`least_parameter`]), and lengths along the warp grow with its square.
+const FARTHEST_W_MARGIN: f64 = 1.25;
+
 /// The axis and the parameter of a warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LispsmWarp {
@@ -159,6 +162,7 @@ pub fn lispsm_view(frame: &LightFrame, eye: DVec3, warp: LispsmWarp, content: &C
         },
         texel_metres: [texel_x, texel_y],
         is_warped: true,
+        farthest_w: farthest_w * FARTHEST_W_MARGIN,
         ..ViewFit::unwarped(size)
     }
 }

@@ -51,6 +51,9 @@ pub fn check_settings(settings: &ShadowSettings) -> Result<(), PlanError> {
         {
             return Err(PlanError::StabilisedFit(fit));
         }
+        if cascades.stabilised && cascades.scheme == SplitScheme::Histogram {
+            return Err(PlanError::StabilisedHistogram);
+        }
         if let Some(fit) = fits.into_iter().flatten().find(|fit| fit.makes_one_map()) {
             return Err(PlanError::FitOfCascades(fit));
         }

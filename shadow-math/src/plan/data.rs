@@ -289,12 +289,12 @@ pub struct ViewPlan {
     pub drawn_z: [f32; 4],
     /// What is added to a drawn depth times `drawn_scale`.
     pub drawn_offset: f32,
+    /// The greatest w over `distance` of a point that chooses this map because it is in it; `f32::MAX` for any.
+    pub farthest_w: f32,
     /// Padding to a multiple of 16 bytes.
     pub padding_0: u32,
     /// Padding.
     pub padding_1: u32,
-    /// Padding.
-    pub padding_2: u32,
     /// The row that takes points to their distance from the light along the view's axis, in metres: `clip_w` where nothing is warped, and 1 everywhere for parallel light.
     pub distance: [f32; 4],
     /// The half-space outside of which the view's matrix means nothing, as a row that is at least 0 inside: casters there are not drawn, and receivers are lit.

@@ -101,6 +101,8 @@ pub enum PlanError {
     LispsmFactor(f32),
     /// Stabilised cascades have a fit of their own.
     StabilisedFit(Fit),
+    /// Stabilised cascades would end where the picture has as many samples before as behind.
+    StabilisedHistogram,
     /// Only cascades of parallel light can stand still.
     StabilisedLight,
     /// The maps of stabilised cascades are not a power of two wide.
@@ -267,6 +269,7 @@ impl core::fmt::Display for PlanError {
                 "stabilised cascades are fitted to spheres, which the fit {} would undo; take the fit uniform, or leave stabilisation out",
                 fit.name()
             ),
+            Self::StabilisedHistogram => f.write_str("cascades that end by the picture's samples change with every picture, and cannot stand still; take the splits practical or distances, or leave stabilisation out"),
             Self::StabilisedLight => f.write_str("only cascades of a directional light can stand still: light from a place spreads, and its texels with it; give this light settings of its own (--light-settings), or leave stabilisation out"),
             Self::StabilisedMapSize(size) => {
                 let below = 1_u32 << size.max(&1).ilog2();

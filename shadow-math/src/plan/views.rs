@@ -96,11 +96,24 @@ pub(super) fn plan_views(
         Split::Cascades(cascades) => {
             let covered = fitting.covered_range(&cascades)?;
             let ends = fitting.cascade_ends(&cascades, covered)?;
+            for size in &cascades.map_sizes[..cascades.count as usize] {
+                fitting.check_size(size.unwrap_or(settings.map_size))?;
+            }
+            // Distances that are given can end cascades beyond all that is seen: those after it do not exist.
+            let farthest = ends[cascades.count as usize];
+            let count = 1 + ends[1..cascades.count as usize].iter().filter(|end| **end < farthest).count() as u32;
+            let cascades = Cascades { count, ..cascades };
+            plan.view_count = count;
             fitting.set_selection(plan, &cascades, &ends);
             let mut asked = Asked { range: covered, ..Asked::default() };
-            for (cascade, view) in views.iter_mut().enumerate() {
+            for (cascade, view) in views[..count as usize].iter_mut().enumerate() {
+                let begin = if cascade == 0 { covered.map_or(0.0, |[nearest, _]| nearest) } else { ends[cascade] };
+                if ends[cascade + 1] <= begin {
+                    // Or before all that is seen.
+                    write(view, &ViewFit { outcome: FitOutcome::NothingVisible, ..fitting.uniform(None) }, Looked::All);
+                    continue;
+                }
                 let size = cascades.map_sizes[cascade].unwrap_or(settings.map_size);
-                fitting.check_size(size)?;
                 let slice = fitting.padded_slice(plan, &cascades, &ends, covered, cascade)?;
                 let fit = fitting.cascade(&cascades, cascade, slice, &mut asked, size)?;
                 // By containment whatever is seen may ask.
@@ -306,10 +319,12 @@ impl Fitting<'_> {
         let view = match fit {
             Fit::Focused => Ok(focused_view(frame, &content, size, self.guard)),
             Fit::Lispsm | Fit::OgreLispsm => {
-                let optimal = optimal_warp(frame, eye, points);
+                // Receivers that only happen to be in the map have no say in how it is warped.
+                let own = if body.vertices().is_empty() { points } else { body.vertices() };
+                let optimal = optimal_warp(frame, eye, own);
                 optimal.map(|warp| {
                     let (axis, parameter) = if fit == Fit::OgreLispsm {
-                        ogre_axis_and_parameter(frame, eye, points, ogre_planes)
+                        ogre_axis_and_parameter(frame, eye, own, ogre_planes)
                     } else if lispsm_factor == 0.0 {
                         (eye.camera.eye, f64::INFINITY)
                     } else {
@@ -388,8 +403,8 @@ impl Fitting<'_> {
                 }
                 let row = eye.distance_row();
                 let mut histogram = [0; HISTOGRAM_BINS];
-                for point in eye.samples {
-                    let distance = row.dot(point.as_dvec3().extend(1.0));
+                // What lies beyond the shadow distance asks no map.
+                for distance in eye.samples.iter().map(|point| row.dot(point.as_dvec3().extend(1.0))).filter(|d| *d <= far) {
                     histogram[histogram_bin(distance, near, far, HISTOGRAM_BINS)] += 1;
                 }
                 quantile_splits(&histogram, near, far, &mut ends[..=count]);
@@ -415,17 +430,18 @@ impl Fitting<'_> {
         if !cascades.stabilised {
             return Ok(visible_range(&self.fitted(eye), bounds, self.shadow_distance()));
         }
-        // Whatever the camera looks at: the distances must not change with its pose.
         let [near, far] = eye.planes();
-        let far = far.min(self.shadow_distance());
-        // A camera within the sphere around the scene sees none of it beyond twice the radius. One that is elsewhere, and sees without an end, is given steps of a factor of 2: within them nothing changes.
+        let far = far.min(self.shadow_distance()).min(self.size_of_scene(eye));
+        Ok(Some([near, far.max(near)]))
+    }
+
+    /// No less than what the camera can see of the scene, in metres along its axis: a power of two, so that it stays as it is while the camera moves, casters move the scene's bounds, and the origin moves with the camera.
+    fn size_of_scene(&self, eye: &Eye<'_>) -> f64 {
+        let bounds = self.subject.bounds;
         let radius = f64::from(bounds.radius()).max(MIN_FAR_OF_SPLIT);
+        // A camera within the sphere around the scene sees none of it beyond twice the radius.
         let farthest = eye.camera.eye.distance(bounds.center().as_dvec3()) + radius;
-        let mut widest = 2.0 * radius;
-        while widest < farthest && widest < far {
-            widest *= 2.0;
-        }
-        Ok(Some([near, far.min(widest).max(near)]))
+        next_power_of_two((2.0 * radius).max(farthest))
     }
 
     /// Writes how receivers choose among cascades.
@@ -459,6 +475,7 @@ impl Fitting<'_> {
         cascade: usize,
     ) -> Result<[f64; 2], PlanError> {
         let Some([nearest, farthest]) = covered else { return Ok([0.0; 2]) };
+        let eye = self.eye()?;
         let padding = f64::from(cascades.padding);
         let band = match (cascades.selection, cascade) {
             (Selection::Depth, 1..) => f64::from(plan.split_band[(cascade - 1) / 4][(cascade - 1) % 4]),
@@ -470,10 +487,11 @@ impl Fitting<'_> {
         let begin = if cascade == 0 { nearest } else { (ends[cascade] - padding.max(band)).max(nearest) };
         let end = (ends[cascade + 1] + padding).min(farthest.max(ends[cascade + 1]));
         if cascades.stabilised {
-            // As below, for a camera as far from the scene's origin as the bounds are: spheres must not follow the pose.
-            return Ok(fit::widened_by([begin, end], 2.0 * f64::from(bounds.abs_max().length())));
+            // As below, for a camera as far from the scene's origin as the bounds are: spheres must not follow the pose. An origin within the bounds is as far from all of them as the scene is large, wherever it is.
+            let largest = self.size_of_scene(eye).max(next_power_of_two(f64::from(bounds.abs_max().length())));
+            return Ok(fit::widened_by([begin, end], 2.0 * largest));
         }
-        Ok(fit::widened_slice(self.eye()?, bounds, [begin, end]))
+        Ok(fit::widened_slice(eye, bounds, [begin, end]))
     }
 
     /// One cascade. `asked` says who asks it, and is told of it.
@@ -513,6 +531,12 @@ impl Fitting<'_> {
         asked.before = Some(view);
         Ok(view)
     }
+}
+
+/// The least power of two that is no less than a number, which is finite and not negative.
+fn next_power_of_two(number: f64) -> f64 {
+    let power = f64::from_bits(number.to_bits() & f64::INFINITY.to_bits());
+    if power < number { 2.0 * power } else { power }
 }
 
 /// The bins of a histogram of distances, each a hundredth part deeper than the one before at a range of ten to one.

@@ -1,14 +1,15 @@
 //! Where cascades end, and what is refused.
 
 use shadow_math::{
-    Bias, Camera, Cascades, Filter, Fit, FitFrom, Light, LightKind, PlanError, Projection, Selection, ShadowSettings, Split,
-    SplitScheme, Store,
+    Bias, Camera, Cascades, Filter, Fit, FitFrom, Light, LightKind, PlanError, Projection, Receiver, Selection, ShadowSettings,
+    Split, SplitScheme, Store,
     bounds::Aabb,
     fit::{Eye, FitOutcome, Subject},
     glam::{DVec3, Vec3},
     plan::{LightPlan, MAX_VIEWS_PER_LIGHT, ViewPlan, plan_light},
     settings::{BiasParts, MAX_CASCADES, Ogre2006},
     splits::practical_splits,
+    visibility::choose_views,
 };
 
 const NEAR: f64 = 0.5;
@@ -105,9 +106,87 @@ fn explicit_ends_are_kept_within_what_is_seen() {
     let explicit = |ends| Cascades { scheme: SplitScheme::Explicit(ends), ..Cascades::default() };
     let (within, _) = plan(explicit([5.0, 10.0, 20.0, 0.0, 0.0, 0.0, 0.0]));
     assert_eq!(ends(&within)[..3], [5.0, 10.0, 20.0]);
-    let (beyond, _) = plan(explicit([0.1, 10.0, 1e6, 0.0, 0.0, 0.0, 0.0]));
+    let (beyond, _) = plan(explicit([0.1, 10.0, 50.0, 0.0, 0.0, 0.0, 0.0]));
     let ends = ends(&beyond);
-    assert!((ends[0] - NEAR).abs() < 1e-3 && (ends[2] - FAR).abs() < 1e-2, "{ends:?}");
+    assert!((ends[0] - NEAR).abs() < 1e-3 && ends[2] == 50.0, "{ends:?}");
+}
+
+/// What begins where everything ends does not exist, and what ends before everything begins has no map; the others are as they would be alone.
+#[test]
+fn cascades_without_anything_have_no_maps() {
+    for stabilised in [false, true] {
+        let with = |count, ends: [f32; 3]| {
+            let [a, b, c] = ends;
+            let scheme = SplitScheme::Explicit([a, b, c, 0.0, 0.0, 0.0, 0.0]);
+            plan(Cascades { count, scheme, stabilised, ..Cascades::default() })
+        };
+        let (light, views) = with(4, [10.0, 70.0, 80.0]);
+        let (alone, expected) = with(2, [10.0, 0.0, 0.0]);
+        assert_eq!((light.split_far, light.view_count, &views), (alone.split_far, 2, &expected));
+        let (light, views) = with(4, [0.1, 0.2, 10.0]);
+        assert_eq!(light.view_count, 4);
+        let outcomes: Vec<_> = views.iter().map(|view| (view.outcome(), view.layer)).collect();
+        let [nothing, fitted] = [FitOutcome::NothingVisible, FitOutcome::Fitted];
+        assert_eq!(outcomes, [(nothing, 0), (nothing, 0), (fitted, 0), (fitted, 1)]);
+        let (_, expected) = with(2, [10.0, 0.0, 0.0]);
+        assert_eq!(views[2..], expected);
+    }
+}
+
+/// Samples beyond the shadow distance ask no map: the cascades are those of a picture without them.
+#[test]
+fn histograms_end_with_the_shadows() {
+    let near: Vec<_> = (0..99).map(|i| Vec3::new(0.0, 1.9, -5.0 - 0.04 * i as f32)).collect();
+    let cascades = Cascades { scheme: SplitScheme::Histogram, ..Cascades::default() };
+    let settings = ShadowSettings { shadow_distance: Some(10.0), ..of(cascades) };
+    let ends = |far: usize| {
+        let samples: Vec<_> = near.iter().copied().chain(vec![Vec3::new(0.0, 1.9, -50.0); far]).collect();
+        ends(&plan_with(&sun(), &settings, &samples, true).expect("there are samples").0)
+    };
+    let (none, many) = (ends(0), ends(1000));
+    assert_eq!(none, many);
+    assert!(none[0] < 6.5 && none[2] < 8.5, "{none:?} are quarters of the samples between 5 and 9 m");
+}
+
+/// Receivers that ask because they are in the map before, which reaches to the camera, do not take the warp from the cascades that they are blended with.
+#[test]
+fn blends_do_not_undo_warps() {
+    let farthest_w = |blend| {
+        let cascades = Cascades { selection: Selection::Containment, blend, ..Cascades::default() };
+        let settings = ShadowSettings { fit: Fit::Lispsm, ..of(cascades) };
+        let (_, views) = plan_with(&sun(), &settings, &[], true).expect("the cascades can be planned");
+        views.iter().map(|view| view.farthest_w).collect::<Vec<_>>()
+    };
+    for (alone, blended) in farthest_w(0.0).into_iter().zip(farthest_w(0.1)) {
+        // The map can have twice as much in it, and not more.
+        assert!(blended < 2.0 * alone, "w grows to {blended} in place of {alone}");
+    }
+}
+
+/// A map whose last texel reaches to infinity has no more than what it was fitted to, and a quarter.
+#[test]
+fn strong_warps_do_not_contain_what_lies_beyond() {
+    let floor = Aabb::new(Vec3::new(-1e6, -1.0, -1e6), Vec3::new(1e6, 0.0, 1e6));
+    let projection = Projection::Perspective { vertical_fov: 1.0, near: 0.1, far: None };
+    let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.0, 1.9, -5.0), projection).expect("it looks ahead");
+    let eye = Eye { camera, aspect: 1.5, samples: &[], plane: None };
+    let casters = [floor];
+    let subject = Subject { eye: Some(eye), ..Subject::unseen(&casters, floor) };
+    let cascades = Cascades { selection: Selection::Containment, ..Cascades::default() };
+    let settings = ShadowSettings { fit: Fit::Lispsm, map_size: 64, ..of(cascades) };
+    let mut views = vec![ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+    let kind = LightKind::Directional { direction: Vec3::new(-0.9, -0.3, 0.0) };
+    let light = plan_light(&Light { kind, ..sun() }, &subject, &settings, [0, 0], &mut views).expect("it can be planned");
+    assert!(views[0].is_warped != 0);
+    let end = ends(&light)[0];
+    let chosen = |distance: f64| {
+        let point = Vec3::new(0.0, 0.0, -distance as f32);
+        choose_views(&light, &views, &Receiver::new(point, Vec3::Y)).first
+    };
+    assert_eq!(chosen(0.9 * end), 0);
+    for factor in [1.5, 10.0, 100.0] {
+        assert!(chosen(factor * end) > 0, "a receiver at {factor} times the cascade's end asks it");
+    }
 }
 
 /// Padding makes maps larger, and no larger than all that is seen.
@@ -163,6 +242,7 @@ fn what_has_no_meaning_is_refused() {
             PlanError::StabilisedFit(Fit::Focused),
         ),
         (Cascades { map_sizes: [Some(1000); MAX_CASCADES], stabilised: true, ..default }, PlanError::StabilisedMapSize(1000)),
+        (Cascades { scheme: SplitScheme::Histogram, stabilised: true, ..default }, PlanError::StabilisedHistogram),
     ];
     for (cascades, expected) in cases {
         assert_eq!(refused(&of(cascades)), expected);

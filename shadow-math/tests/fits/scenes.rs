@@ -190,6 +190,8 @@ fn cascades(random: &mut Random, size: f64, fits: &[Fit], is_parallel: bool) -> 
         _ => SplitScheme::Practical(random.between(0.0, 1.0) as f32),
     };
     let stabilised = is_parallel && random.once_in(4);
+    // What follows the picture cannot stand still.
+    let scheme = if stabilised && scheme == SplitScheme::Histogram { SplitScheme::Logarithmic } else { scheme };
     let mut fits_of_each = [None; MAX_CASCADES];
     if !stabilised && random.once_in(2) {
         fits_of_each = core::array::from_fn(|_| Some(random.of(fits)));

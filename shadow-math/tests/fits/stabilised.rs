@@ -46,9 +46,11 @@ fn the_sphere_is_the_smallest_on_the_axis() {
     }
 }
 
-/// The plan of four cascades of a scene of 60 m, for a camera at a place relative to the scene's origin.
-fn plan(camera: Camera, origin: DVec3, stabilised: bool) -> Vec<ViewPlan> {
-    let bounds = Aabb::new(Vec3::new(-30.0, -2.0, -30.0), Vec3::new(30.0, 8.0, 30.0));
+/// A scene of 60 m.
+const SCENE: Aabb = Aabb { min: Vec3::new(-30.0, -2.0, -30.0), max: Vec3::new(30.0, 8.0, 30.0) };
+
+/// The plan of four cascades of a scene, for a camera at a place relative to the scene's origin.
+fn plan(camera: Camera, bounds: Aabb, origin: DVec3, stabilised: bool) -> Vec<ViewPlan> {
     let casters = [bounds];
     let eye = Eye { camera, aspect: 1.6, samples: &[], plane: None };
     let subject = Subject { casters: &casters, bounds, origin, eye: Some(eye) };
@@ -90,7 +92,7 @@ fn drift(origin: DVec3, stabilised: bool) -> (f64, f64) {
         let turn =
             DQuat::from_euler(EulerRot::YXZ, random.between(0.0, 6.3), random.between(-1.0, 1.0), random.between(-0.3, 0.3));
         let camera = Camera { eye: random.point() * DVec3::new(20.0, 3.0, 20.0), orientation: turn, projection };
-        let places: Vec<_> = plan(camera, origin, stabilised).iter().map(|view| texel(view, point)).collect();
+        let places: Vec<_> = plan(camera, SCENE, origin, stabilised).iter().map(|view| texel(view, point)).collect();
         let Some(first) = &first else {
             first = Some(places);
             continue;
@@ -123,16 +125,40 @@ fn texels_stand_still_while_the_camera_moves_and_turns() {
 /// A scene that is counted from another origin has the same texels in the world: origins can follow the camera.
 #[test]
 fn texels_do_not_follow_the_scenes_origin() {
-    let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far: Some(80.0) };
     let point = DVec3::new(3.25, 0.5, -4.375);
-    let camera = Camera { eye: DVec3::new(1.0, 2.0, 8.0), orientation: DQuat::IDENTITY, projection };
-    let home = plan(camera, DVec3::ZERO, true);
-    // Exact steps, so that nothing but the fit rounds.
-    for step in [DVec3::new(1.015625, 0.0, 0.0), DVec3::new(-7.328125, 3.15625, 11.78125)] {
-        let moved = Camera { eye: camera.eye - step, ..camera };
-        for (here, there) in home.iter().zip(&plan(moved, step, true)) {
-            let ((a, rounding), (b, other_rounding)) = (texel(here, point), texel(there, point - step));
-            assert!(off(a, b) <= rounding + other_rounding + 1e-9, "{a} and {b}");
+    for (far, world) in [Some(40.0), None].into_iter().flat_map(|far| [0.0, 1e4, 6.4e6].map(|world| (far, world))) {
+        let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far };
+        let camera = Camera { eye: DVec3::new(1.0, 2.0, 8.0), orientation: DQuat::IDENTITY, projection };
+        let origin = DVec3::new(world, 0.0, -0.5 * world);
+        let home = plan(camera, SCENE, origin, true);
+        // Exact steps, so that nothing but the fit rounds.
+        for step in [DVec3::new(1.015625, 0.0, 0.0), DVec3::new(-7.328125, 3.15625, 11.78125)] {
+            let moved = Camera { eye: camera.eye - step, ..camera };
+            let bounds = Aabb::new(SCENE.min - step.as_vec3(), SCENE.max - step.as_vec3());
+            for (here, there) in home.iter().zip(&plan(moved, bounds, origin + step, true)) {
+                let ((a, rounding), (b, other_rounding)) = (texel(here, point), texel(there, point - step));
+                // Rounding of f64, at such places in texels of a centimetre and more.
+                let double = 64.0 * f64::EPSILON * (world + 100.0) / 0.01;
+                assert!(off(a, b) <= rounding + other_rounding + double, "{a} and {b}, at {world} m with an end at {far:?}");
+            }
+        }
+    }
+}
+
+/// What moves in the scene, and with it the scene's bounds, leaves the texels where they are.
+#[test]
+fn texels_do_not_follow_the_scenes_bounds() {
+    let point = DVec3::new(3.25, 0.5, -4.375);
+    for far in [Some(40.0), None] {
+        let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far };
+        let camera = Camera { eye: DVec3::new(1.0, 2.0, 8.0), orientation: DQuat::IDENTITY, projection };
+        let home = plan(camera, SCENE, DVec3::ZERO, true);
+        for raised in [Vec3::Y, Vec3::new(4.0, 3.0, -1.0)] {
+            let bounds = Aabb::new(SCENE.min, SCENE.max + raised);
+            for (here, there) in home.iter().zip(&plan(camera, bounds, DVec3::ZERO, true)) {
+                let ((a, rounding), (b, other_rounding)) = (texel(here, point), texel(there, point));
+                assert!((a - b).abs().max_element() <= rounding + other_rounding, "{a} and {b}, with an end at {far:?}");
+            }
         }
     }
 }
@@ -143,7 +169,7 @@ fn radii_do_not_follow_the_pose() {
     let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far: None };
     let widths = |eye: DVec3, turn: f64| -> Vec<f32> {
         let camera = Camera { eye, orientation: DQuat::from_rotation_y(turn), projection };
-        plan(camera, DVec3::ZERO, true).iter().map(|view| view.texel_metres[0]).collect()
+        plan(camera, SCENE, DVec3::ZERO, true).iter().map(|view| view.texel_metres[0]).collect()
     };
     let home = widths(DVec3::ZERO, 0.0);
     let random = &mut Random(2);

@@ -239,6 +239,11 @@ impl World {
                 let ndc = [view.clip_x, view.clip_y].map(|row| (row_times_point(row, receiver.point) / w).abs());
                 let rim = 1.0 - ndc[0].max(ndc[1]) - light.guard_texels * 2.0 / view.rect[2] as f32;
                 near |= rim.abs() < RIM || is_tie(w, magnitude_of_row(view.clip_w, receiver.point));
+                // Any distance is near enough where there is no limit.
+                let farthest = view.farthest_w * row_times_point(view.distance, receiver.point);
+                let terms = magnitude_of_row(view.clip_w, receiver.point);
+                let limit_terms = view.farthest_w * magnitude_of_row(view.distance, receiver.point);
+                near |= view.farthest_w < f32::MAX && is_tie(w - farthest, terms + limit_terms);
                 near |= light.split_band.as_flattened().iter().any(|&band| (rim - band).abs() < RIM);
             }
         }
