@@ -29,7 +29,7 @@ pub(crate) struct LightCameraArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fit_from: Option<FitFrom>,
 
-    /// The plane of plane-optimal: nx x + ny y + nz z + d = 0 in the scene's metres, such as 0,1,0,0 for the floor y = 0 [default: the plane that most pixels show]
+    /// The plane of plane-optimal: nx x + ny y + nz z + d = 0 in metres and the coordinates of the file, such as 0,1,0,0 for the floor y = 0 [default: the plane that most pixels show]
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = plane, allow_negative_numbers = true, allow_hyphen_values = true, help_heading = "Light cameras")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) plane: Option<[f32; 4]>,
@@ -166,13 +166,16 @@ impl LightCameraArgs {
             }
         };
         let fit_from = self.fit_from.unwrap_or_default();
-        // Maps of all that the light reaches, and spheres that hold the view at every turn, do not ask what is seen; depth for what is seen alone does.
-        let asks_nobody = match split {
-            Split::Cascades(cascades) => cascades.stabilised,
-            _ => fit == Fit::Uniform && !self.pancake,
-        };
-        if fit_from == FitFrom::Samples && asks_nobody {
-            return meaningless("fit-from", &["fit focused", "fit lispsm"]);
+        // Maps of all that the light reaches, or of a plane, do not ask what is seen; depth for what is seen alone does.
+        if fit_from == FitFrom::Samples {
+            if matches!(split, Split::Cascades(Cascades { stabilised: true, .. })) {
+                let problem = "cascades that stand still hold the view at every turn, and follow no samples; take frustum, or leave stabilisation out";
+                return Err(wrong("fit-from", problem.into()));
+            }
+            let asks_nobody = matches!(fit, Fit::Uniform | Fit::OgreUniform | Fit::PlaneOptimal) && !self.pancake;
+            if asks_nobody && !is_cascades {
+                return meaningless("fit-from", &["fit focused", "fit lispsm"]);
+            }
         }
         let Self { plane, pancake, shadow_distance, .. } = *self;
         Ok(ShadowSettings { fit, fit_from, split, plane, pancake, shadow_distance, ..settings })
@@ -193,8 +196,10 @@ impl LightCameraArgs {
                 format!("{len} values for {count} cascades; give one for each, or fewer, of which the last goes on"),
             ));
         }
-        let is_lispsm =
-            self.fit == Some(Fit::Lispsm) || self.cascade_fits.as_ref().is_some_and(|fits| fits.contains(&Fit::Lispsm));
+        let is_lispsm = match self.cascade_fits.as_deref() {
+            Some(fits @ [_, ..]) => fits.contains(&Fit::Lispsm),
+            _ => self.fit == Some(Fit::Lispsm),
+        };
         if self.lispsm_factors.is_some() && !is_lispsm {
             return Err(LightCameraError::Meaningless(Meaningless {
                 key: "lispsm-factors",
@@ -314,8 +319,14 @@ fn split_name(split: &Split) -> &'static str {
 /// The cameras of some settings in a few words, after a comma; nothing for one uniform map.
 pub(crate) fn summary(settings: &ShadowSettings) -> String {
     let mut text = String::new();
-    if settings.fit != Fit::default() {
-        text.push_str(&format!(", {}", settings.fit.name()));
+    let mut fits = vec![settings.fit];
+    if let Split::Cascades(cascades) = settings.split {
+        fits = cascades.fits[..cascades.count as usize].iter().map(|fit| fit.unwrap_or(settings.fit)).collect();
+    }
+    if fits.iter().any(|fit| *fit != Fit::default()) {
+        let is_one = fits.iter().all(|fit| *fit == fits[0]);
+        let names: Vec<&str> = fits[..if is_one { 1 } else { fits.len() }].iter().map(|fit| fit.name()).collect();
+        text.push_str(&format!(", {}", names.join("/")));
     }
     if settings.fit_from == FitFrom::Samples {
         text.push_str(" to samples");
@@ -399,6 +410,33 @@ mod tests {
     use shadow_math::plan::check_settings;
 
     use super::*;
+
+    /// What nobody asks for is refused, with what to do.
+    #[test]
+    fn what_would_do_nothing_is_refused() {
+        let cascades = || LightCameraArgs { split: Some("cascades".into()), ..LightCameraArgs::default() };
+        let samples = || LightCameraArgs { fit_from: Some(FitFrom::Samples), ..LightCameraArgs::default() };
+        let refused = |args: LightCameraArgs| args.of(ShadowSettings::default()).expect_err("it does nothing");
+        for fit in [Fit::Uniform, Fit::OgreUniform, Fit::PlaneOptimal] {
+            let args = LightCameraArgs { fit: Some(fit), ..samples() };
+            assert!(
+                matches!(refused(args.clone()), LightCameraError::Meaningless(Meaningless { key: "fit-from", .. })),
+                "{fit:?}"
+            );
+            assert!(LightCameraArgs { pancake: true, ..args }.of(ShadowSettings::default()).is_ok(), "depth follows samples");
+        }
+        let still = LightCameraArgs { stabilise: true, fit_from: Some(FitFrom::Samples), fit: Some(Fit::Lispsm), ..cascades() };
+        assert!(
+            matches!(refused(still), LightCameraError::Value { key: "fit-from", problem } if problem.contains("stabilisation"))
+        );
+        let factors = LightCameraArgs { fit: Some(Fit::Lispsm), lispsm_factors: Some(vec![3.0]), ..cascades() };
+        assert!(factors.of(ShadowSettings::default()).is_ok());
+        let unwarped = LightCameraArgs { cascade_fits: Some(vec![Fit::Focused]), ..factors.clone() };
+        assert!(matches!(refused(unwarped), LightCameraError::Meaningless(Meaningless { key: "lispsm-factors", .. })));
+        let one = LightCameraArgs { cascade_fits: Some(vec![Fit::Lispsm, Fit::Focused]), ..factors };
+        let settings = one.of(ShadowSettings::default()).expect("the first is warped");
+        assert_eq!(summary(&settings), ", lispsm/focused/focused/focused, 4 cascades");
+    }
 
     /// What settings are said to be gives the same settings, as options and in a file.
     #[test]

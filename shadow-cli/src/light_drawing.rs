@@ -1,7 +1,7 @@
 //! A drawing of a plan's light cameras from above and from the side, as SVG.
 //!
-//! Grey boxes are casters, the black outline is what the camera sees, and each map has a colour: what it covers, the slice of the view that it is for, and lines through its texels, which lie close where
-//! samples do.
+//! Grey boxes are casters, the black outline is what the camera sees, from the black dot where it stands, and each map has a colour: what it covers, the slice of the view that it is for, and lines through its
+//! texels, which lie close where samples do. Lights at a place are dots, too.
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use shadow_math::{
@@ -19,10 +19,18 @@ use crate::resolve::{kind_name, view_names};
 const SIDE: f64 = 520.0;
 /// The room around them and between them.
 const GAP: f64 = 24.0;
+/// The room around cameras and lights, in radii of the scene.
+const DOT_MARGIN: f64 = 0.1;
 /// A line of the legend.
 const LINE: f64 = 18.0;
 /// How far beyond the scene's bounds is drawn, as a share of their radius.
 const MARGIN: f64 = 0.5;
+/// How far from the bounds' middle cameras and lights may stand to be drawn, in radii: beyond, the scene would be a dot.
+const FARTHEST_DOT: f64 = 6.0;
+/// How far from there maps are drawn, in radii.
+const REACH: f64 = 4.0;
+/// In how many steps it is looked for which part of a line can be drawn, and how often its ends are then halved.
+const STEPS: usize = 32;
 /// Into how many parts of its texels a map is divided by lines.
 const PARTS: usize = 16;
 /// The colours of a light's maps, which stay apart for most people who do not see all colours.
@@ -47,22 +55,25 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn new(scene: &Scene, forward: DVec3, id: &str) -> Self {
+    /// A canvas on which the scene has room, and the places of `dots` that are not too far from it.
+    fn new(scene: &Scene, forward: DVec3, dots: &[DVec3], id: &str) -> Self {
         let bounds = scene.bounds();
         let radius = f64::from(bounds.radius()).max(f64::MIN_POSITIVE);
+        let middle = bounds.center().as_dvec3();
+        let shown = || dots.iter().copied().filter(|dot| dot.distance(middle) <= FARTHEST_DOT * radius);
+        let corners = || bounds.corners().into_iter().map(|corner| corner.as_dvec3()).chain(shown());
+        let low = corners().fold(middle, DVec3::min);
+        let high = corners().fold(middle, DVec3::max);
+        let center = 0.5 * (low + high);
+        let farthest = shown().map(|dot| dot.distance(center)).fold(0.0, f64::max);
+        let half = ((center.distance(middle) + radius).max(farthest) + DOT_MARGIN * radius).max(radius * (1.0 + MARGIN));
         // The side view is across the camera's own direction, so that slices of its view are seen one behind the other.
         let along = DVec3::new(forward.x, 0.0, forward.z).try_normalize().unwrap_or(DVec3::X);
         let sides = [
             Side { title: "from above", right: along.cross(DVec3::Y), down: -along },
             Side { title: "from the side", right: along, down: DVec3::NEG_Y },
         ];
-        Self {
-            sides,
-            center: bounds.center().as_dvec3(),
-            scale: SIDE / (2.0 * radius * (1.0 + MARGIN)),
-            id: id.into(),
-            text: String::new(),
-        }
+        Self { sides, center, scale: SIDE / (2.0 * half), id: id.into(), text: String::new() }
     }
 
     fn place(&self, side: usize, point: DVec3) -> DVec2 {
@@ -88,6 +99,14 @@ impl Canvas {
         self.shape(side, &format!("<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" {style}/>", a.x, a.y, b.x, b.y));
     }
 
+    /// A dot in both drawings.
+    fn dot(&mut self, point: DVec3, style: &str) {
+        for side in 0..2 {
+            let place = self.place(side, point);
+            self.shape(side, &format!("<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" {style}/>", place.x, place.y));
+        }
+    }
+
     fn shape(&mut self, side: usize, shape: &str) {
         self.text.push_str(&format!("<g clip-path=\"url(#{}{side})\">{shape}</g>\n", self.id));
     }
@@ -96,7 +115,12 @@ impl Canvas {
 /// The drawing of a plan of a scene seen by `camera`. `id` keeps apart drawings that lie in one page.
 pub(crate) fn light_drawing(scene: &Scene, camera: &Camera, plan: &FramePlan, id: &str) -> String {
     let aspect = f64::from(plan.camera.width) / f64::from(plan.camera.height.max(1));
-    let mut canvas = Canvas::new(scene, camera.direction(), id);
+    let places = scene.lights().iter().filter_map(|light| light.light.position());
+    let places: Vec<DVec3> = places.map(|position| position.as_dvec3()).collect();
+    let dots: Vec<DVec3> = places.iter().copied().chain([camera.eye]).collect();
+    let mut canvas = Canvas::new(scene, camera.direction(), &dots, id);
+    // The slices of several lights over each other would tell nothing.
+    let sliced = plan.lights.iter().position(|light| light.split == SPLIT_CASCADES);
     for instance in scene.instances().iter().filter(|instance| instance.casts_shadows) {
         let corners = instance.bounds.corners().map(|corner| corner.as_dvec3());
         canvas.outline(&corners, "fill=\"#888\" fill-opacity=\"0.12\" stroke=\"#888\" stroke-width=\"0.5\"");
@@ -110,7 +134,8 @@ pub(crate) fn light_drawing(scene: &Scene, camera: &Camera, plan: &FramePlan, id
         for (number, view) in views.iter().enumerate() {
             let paint = COLORS[color % COLORS.len()];
             color += 1;
-            let of_cascade = (light.split == SPLIT_CASCADES).then(|| slice(scene, camera, aspect, light, number)).flatten();
+            let is_sliced = sliced == Some(index) && view.has_map();
+            let of_cascade = is_sliced.then(|| slice(scene, camera, aspect, light, number)).flatten();
             if let Some(slice) = of_cascade {
                 canvas.outline(&slice.corners, &format!("fill=\"{paint}\" fill-opacity=\"0.18\" stroke=\"none\""));
             }
@@ -123,45 +148,64 @@ pub(crate) fn light_drawing(scene: &Scene, camera: &Camera, plan: &FramePlan, id
     if let Some(frustum) = whole_view(scene, camera, aspect) {
         canvas.outline(&frustum.corners, "fill=\"none\" stroke=\"black\" stroke-width=\"1.2\"");
     }
-    finish(canvas, &legend)
+    for place in places {
+        canvas.dot(place, "fill=\"#ffd400\" stroke=\"black\"");
+    }
+    canvas.dot(camera.eye, "fill=\"black\"");
+    let tints = sliced.map_or_else(String::new, |light| format!("; tints: the slices of light {light}"));
+    finish(canvas, &legend, &tints)
 }
 
 /// What a map covers, and lines through its texels.
 fn map(canvas: &mut Canvas, scene: &Scene, view: &ViewPlan, paint: &str) {
     let rows = [view.clip_x, view.clip_y, view.clip_z, view.clip_w].map(|row| DVec4::from_array(row.map(f64::from)));
     let world_from_clip = DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose().inverse();
-    let reach = 4.0 * f64::from(scene.bounds().radius());
+    let (middle_of_scene, reach) = (scene.bounds().center().as_dvec3(), REACH * f64::from(scene.bounds().radius()));
     // Points of a warped map can lie beyond the horizon.
     let point = |x: f64, y: f64, z: f64| {
         let point = world_from_clip * DVec4::new(x, y, z, 1.0);
         let place = point.truncate() / point.w;
-        (point.w > 0.0 && place.distance(canvas.center) < reach).then_some(place)
+        (point.w > 0.0 && place.distance(middle_of_scene) < reach).then_some(place)
     };
     let steps = || (0..=PARTS).map(|step| 2.0 * step as f64 / PARTS as f64 - 1.0);
-    let rim: Vec<DVec3> = steps()
-        .flat_map(|t| [(t, -1.0), (t, 1.0), (-1.0, t), (1.0, t)])
-        .flat_map(|(x, y)| [point(x, y, 0.0), point(x, y, 1.0)])
-        .flatten()
-        .collect();
-    let columns: Vec<Option<[DVec3; 2]>> = steps().map(|t| Some([point(t, 0.0, 0.0)?, point(t, 0.0, 1.0)?])).collect();
-    let rows: Vec<Option<[DVec3; 2]>> = steps().map(|t| Some([point(0.0, t, 0.0)?, point(0.0, t, 1.0)?])).collect();
+    let sides = || [-1.0, 1.0].into_iter().flat_map(|side| [0.0, 1.0].map(|z| (side, z)));
+    let of_rim = sides().flat_map(|(side, z)| [visible_part(|t| point(side, t, z)), visible_part(|t| point(t, side, z))]);
+    let depths = steps().flat_map(|t| [(t, -1.0), (t, 1.0), (-1.0, t), (1.0, t)]);
+    let of_depth = depths.map(|(x, y)| visible_part(|t| point(x, y, 0.5 + 0.5 * t)));
+    let rim: Vec<DVec3> = of_rim.chain(of_depth).flatten().flatten().collect();
+    let rays: Vec<[DVec3; 2]> =
+        steps().flat_map(|t| [(t, 0.0), (0.0, t)]).filter_map(|(x, y)| visible_part(|t| point(x, y, 0.5 + 0.5 * t))).collect();
     // Half-way in metres: a perspective's depths crowd near the light.
     let middle = |x: f64, y: f64| Some(0.5 * (point(x, y, 0.0)? + point(x, y, 1.0)?));
-    let across: Vec<Option<[DVec3; 2]>> = steps()
-        .flat_map(|t| [(t, -1.0, t, 1.0), (-1.0, t, 1.0, t)])
-        .map(|(x0, y0, x1, y1)| Some([middle(x0, y0)?, middle(x1, y1)?]))
-        .collect();
+    let across: Vec<[DVec3; 2]> =
+        steps().flat_map(|s| [visible_part(|t| middle(s, t)), visible_part(|t| middle(t, s))]).flatten().collect();
     let thin = format!("stroke=\"{paint}\" stroke-width=\"0.5\" stroke-opacity=\"0.5\"");
     // From above the map's own grid, half-way down; from the side the light's rays through it.
-    for [from, to] in across.into_iter().flatten() {
+    for [from, to] in across {
         canvas.line(0, from, to, &thin);
     }
-    for [from, to] in columns.into_iter().chain(rows).flatten() {
+    for [from, to] in rays {
         canvas.line(1, from, to, &thin);
     }
     if !rim.is_empty() {
         canvas.outline(&rim, &format!("fill=\"none\" stroke=\"{paint}\" stroke-width=\"1.5\""));
     }
+}
+
+/// The ends of the part of a line that can be drawn; `line` has its points from -1 to 1, of which those that can be drawn follow each other. `None` if there is none.
+fn visible_part(line: impl Fn(f64) -> Option<DVec3>) -> Option<[DVec3; 2]> {
+    let at = |step: usize| 2.0 * step as f64 / STEPS as f64 - 1.0;
+    let is_visible = |step: &usize| line(at(*step)).is_some();
+    let (first, last) = ((0..=STEPS).find(is_visible)?, (0..=STEPS).rfind(is_visible)?);
+    let end = |visible: usize, beyond: Option<usize>| {
+        let (mut inside, mut outside) = (at(visible), beyond.map_or(at(visible), at));
+        for _ in 0..STEPS {
+            let middle = 0.5 * (inside + outside);
+            if line(middle).is_some() { inside = middle } else { outside = middle }
+        }
+        line(inside)
+    };
+    Some([end(first, first.checked_sub(1))?, end(last, (last < STEPS).then_some(last + 1))?])
 }
 
 /// The part of the view that a cascade is for.
@@ -210,7 +254,7 @@ fn said(view: &ViewPlan) -> String {
 }
 
 /// The whole text.
-fn finish(canvas: Canvas, legend: &[(&str, String)]) -> String {
+fn finish(canvas: Canvas, legend: &[(&str, String)], tints: &str) -> String {
     let width = 2.0 * SIDE + 3.0 * GAP;
     let height = 3.0 * GAP + SIDE + LINE * (legend.len() as f64 + 1.0);
     let mut text = format!(
@@ -232,7 +276,7 @@ fn finish(canvas: Canvas, legend: &[(&str, String)]) -> String {
     let metre = scale_bar(canvas.scale);
     let top = 3.0 * GAP + SIDE;
     text.push_str(&format!(
-        "<line x1=\"{GAP}\" y1=\"{top}\" x2=\"{:.1}\" y2=\"{top}\" stroke=\"black\" stroke-width=\"2\"/><text x=\"{:.1}\" y=\"{:.1}\">{metre} m; black: what the camera sees; grey: casters; lines: every sixteenth part of a map</text>\n",
+        "<line x1=\"{GAP}\" y1=\"{top}\" x2=\"{:.1}\" y2=\"{top}\" stroke=\"black\" stroke-width=\"2\"/><text x=\"{:.1}\" y=\"{:.1}\">{metre} m; black: the camera and what it sees; yellow: lights at a place; grey: casters; lines: every sixteenth part of a map{tints}</text>\n",
         GAP + metre * canvas.scale,
         GAP + metre * canvas.scale + 8.0,
         top + 4.0

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::DVec4;
 use shadow_cpu::trace::Sampling;
 use shadow_math::{Camera, Composition, LightKind, ShadowSettings, settings::OGRE_SHADOW_COLOR};
 use shadow_scene::{
@@ -44,6 +45,8 @@ pub(crate) struct Job {
     pub(crate) of_lights: Vec<ShadowSettings>,
     /// How the picture is made.
     pub(crate) plan: FramePlan,
+    /// The plane that most pixels show, as `(normal, offset)` from the world's origin; `None` where nothing asked for it.
+    pub(crate) plane: Option<DVec4>,
     /// How the tracer samples lights that have a size; `None` as it does by itself.
     pub(crate) light_samples: Option<Sampling>,
     /// The most memory that it may take.
@@ -73,10 +76,11 @@ impl Job {
         let plan =
             FramePlan::with_feedback(&scene, &camera, map_size, |light, _| of_lights[light], size, args.exposure, &feedback)?;
         let plan = composed(plan, &args.shadows)?;
+        let plane = feedback.plane.map(|plane| plane.with_w(plane.w - plane.truncate().dot(scene.origin())));
         notes.extend(plan.notes.iter().cloned());
         notes.extend(shadowing.notes(&scene));
         tell_notes(&notes, console);
-        Ok(Self { scene_name, scene, notes, camera_name, camera, shadowing, of_lights, plan, light_samples: None, limit })
+        Ok(Self { scene_name, scene, notes, camera_name, camera, shadowing, of_lights, plan, plane, light_samples: None, limit })
     }
 
     /// The layer that is to be shown, once it is known that there is one.

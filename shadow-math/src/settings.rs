@@ -372,7 +372,7 @@ pub struct ShadowSettings {
     pub split: Split,
     /// What fits follow.
     pub fit_from: FitFrom,
-    /// The plane of the plane-optimal fit, as `(normal, offset)` with `normal . point + offset = 0`, relative to the scene's origin; the normal is of any length above 0. `None` for the one that is found.
+    /// The plane of the plane-optimal fit, as `(normal, offset)` with `normal . point + offset = 0` for points in metres from the world's origin, whatever the scene's own is; the normal is of any length above 0. `None` for the one that is found.
     pub plane: Option<[f32; 4]>,
     /// Whether the depth of maps is for what is seen alone, and casters beyond are [drawn onto its planes](crate::fit::ViewFit::pancaked): finer steps for maps of 16 and 24 bits.
     pub pancake: bool,

@@ -168,6 +168,7 @@ impl FramePlan {
         let subject = Subject { casters: &casters, bounds: scene.bounds(), origin: scene.origin(), eye: Some(eye) };
         let mut lights = Vec::with_capacity(scene.lights().len());
         let mut views = Vec::new();
+        let mut notes = Vec::new();
         for (index, light) in scene.lights().iter().enumerate() {
             let failed = |source| FramePlanError::Light { index, name: light.name.clone(), source };
             let first = views.len();
@@ -195,10 +196,11 @@ impl FramePlan {
                 plan_light(&light.light, &subject, settings, [first as u32, first_layer], &mut views[first..]).map_err(failed)?;
             // Some fits make one view where others take six.
             views.truncate(first + plan.view_count as usize);
+            notes.extend(empty_cascades_note(index, light, settings, &views[first..]));
             picture(&mut plan).map_err(failed)?;
             lights.push(plan);
         }
-        let notes = near_rule_note(scene, &lights, &views).into_iter().chain(fall_back_notes(scene, &lights, &views)).collect();
+        notes.extend(near_rule_note(scene, &lights, &views).into_iter().chain(fall_back_notes(scene, &lights, &views)));
         Ok(Self { camera, lights, views, map_size, light_passes: LightPasses::default(), ev: exposure.ev(), notes })
     }
 
@@ -324,6 +326,21 @@ fn layer_count(views: &[ViewPlan]) -> u32 {
     views.iter().filter(|view| view.has_map()).count() as u32
 }
 
+/// What a light is called in a note.
+fn name_in_note(index: usize, light: &SceneLight) -> String {
+    if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) }
+}
+
+/// A sentence on cascades between whose distances nothing is seen, where these were given.
+fn empty_cascades_note(index: usize, light: &SceneLight, settings: &ShadowSettings, views: &[ViewPlan]) -> Option<String> {
+    let Split::Cascades(Cascades { count, scheme: SplitScheme::Explicit(_), .. }) = settings.split else { return None };
+    let empty = count - layer_count(views);
+    let name = name_in_note(index, light);
+    (empty > 0).then(|| {
+        format!("{name}: {empty} of {count} cascades have no map, for nothing is seen between the distances that were given; choose nearer ones, or fewer")
+    })
+}
+
 /// A sentence on each light that has another fit than was asked for.
 fn fall_back_notes(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Vec<String> {
     let note = |(index, (plan, light)): (usize, (&LightPlan, &SceneLight))| {
@@ -333,7 +350,7 @@ fn fall_back_notes(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> V
             _ => None,
         });
         let (count, why) = (fall_backs.clone().count(), fall_backs.clone().next()?);
-        let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
+        let name = name_in_note(index, light);
         let maps = if views.len() == 1 { "its map".to_string() } else { format!("{count} of {} maps", views.len()) };
         Some(format!("{name}: {maps} could not have the fit that was asked for, but a plain one: {why}"))
     };
@@ -356,7 +373,7 @@ fn near_rule_note(scene: &Scene, lights: &[LightPlan], views: &[ViewPlan]) -> Op
                 (is_of_rule && near <= far * MIN_NEAR_SHARE * ROUNDING).then_some(near)
             });
             let near = limited.reduce(f64::max)?;
-            let name = if light.name.is_empty() { format!("light {index}") } else { format!("`{}`", light.name) };
+            let name = name_in_note(index, light);
             Some((name, near))
         })
         .collect();

@@ -73,6 +73,8 @@ struct LightReport<'a> {
     /// The same in a few words.
     #[serde(skip)]
     cameras_summary: String,
+    /// The plane of a plane-optimal fit, given or found, as `nx x + ny y + nz z + d = 0` in the coordinates of the file; null for other fits.
+    plane: Option<[f64; 4]>,
     /// Where each cascade ends, in metres from the camera along its axis; empty without cascades. The last one goes on to wherever shadows end.
     cascade_ends: Vec<f32>,
     views: Vec<ViewReport>,
@@ -176,6 +178,9 @@ impl<'a> LightReport<'a> {
             filter: settings.filter,
             cameras: LightCameraArgs::saying(settings),
             cameras_summary: light_camera::summary(settings),
+            plane: (settings.fit == Fit::PlaneOptimal)
+                .then(|| settings.plane.map(|plane| plane.map(f64::from)).or(job.plane.map(|plane| plane.to_array())))
+                .flatten(),
             cascade_ends: match plan.split {
                 SPLIT_CASCADES => plan.split_far.as_flattened()[..views.len() - 1].to_vec(),
                 _ => Vec::new(),
@@ -286,7 +291,12 @@ fn text(report: &Report<'_>) -> String {
         let ends: Vec<String> = light.cascade_ends.iter().map(|end| format!("{end:.2}")).collect();
         let ends =
             if ends.is_empty() { String::new() } else { format!("; cascades end at {} m from the camera", ends.join(", ")) };
-        text.push_str(&format!("light {}{}{ends}\n", light.light, light.cameras_summary.replacen(',', ":", 1)));
+        let plane = light.plane.map_or_else(String::new, |plane| {
+            // No number is minus 0.
+            let [x, y, z, d] = plane.map(|number| (number * 1e4).round() / 1e4 + 0.0);
+            format!(" of the plane {x},{y},{z},{d}")
+        });
+        text.push_str(&format!("light {}{}{plane}{ends}\n", light.light, light.cameras_summary.replacen(',', ":", 1)));
     }
     if let Some(spec) = spec {
         let roll = if *is_level { "" } else { " (which is level, as this one is not)" };

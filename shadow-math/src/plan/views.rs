@@ -341,7 +341,11 @@ impl Fitting<'_> {
 
     /// The plane-optimal view.
     fn plane_optimal(&self, eye: &Eye<'_>, frame: &LightFrame, range: [f64; 2]) -> Result<ViewFit, FallBack> {
-        let given = self.settings.plane.map(|plane| DVec4::from_array(plane.map(f64::from)));
+        // Settings are of no scene, and count from the world's origin; all else here counts from the scene's.
+        let given = self.settings.plane.map(|plane| {
+            let plane = DVec4::from_array(plane.map(f64::from));
+            plane.with_w(plane.w + plane.truncate().dot(self.subject.origin))
+        });
         let plane = given.or(eye.plane).ok_or(FallBack::NoPlane)?;
         let rows = plane_optimal(eye, plane, frame.light())?;
         if !rows.is_seen(eye, range) || !rows.faces(eye) {

@@ -5,7 +5,7 @@ use shadow_math::{
     aliasing::Aliasing,
     bounds::Aabb,
     exposure::Exposure,
-    fit::{Eye, PlaneOptimal, Subject, plane_depth_factor, plane_optimal},
+    fit::{Eye, FitOutcome, PlaneOptimal, Subject, plane_depth_factor, plane_optimal},
     glam::{DVec2, DVec3, DVec4, Vec3},
     plan::{MAX_VIEWS_PER_LIGHT, ViewPlan, plan_camera, plan_light},
     rounding::UNIT_ROUNDOFF,
@@ -139,6 +139,32 @@ fn the_plan_is_as_near_as_single_precision_allows() {
 }
 
 /// Casters over the plane whose shadows are in the picture are between the near plane and the plane's own depth, and some touch the former.
+/// A plane that is given counts from the world's origin, one that is found from the scene's.
+#[test]
+fn a_plane_is_given_in_the_world() {
+    let floor = Aabb::new(Vec3::new(-9.0, 0.0, -9.0), Vec3::new(9.0, 0.0, 9.0));
+    let projection = Projection::Perspective { vertical_fov: 0.9, near: 0.1, far: None };
+    let camera = Camera::look_at(DVec3::new(1.0, 3.0, 8.0), DVec3::ZERO, projection).expect("it looks at the floor");
+    let eye = Eye { camera, aspect: 1.0, samples: &[], plane: Some(DVec4::Y) };
+    let casters = [floor];
+    let kind = shadow_math::LightKind::Directional { direction: Vec3::new(0.3, -1.0, 0.5) };
+    let sun = shadow_math::Light { kind, color: Vec3::ONE, intensity: 1.0 };
+    let views = |origin: DVec3, plane| {
+        let subject = Subject { eye: Some(eye), origin, ..Subject::unseen(&casters, floor) };
+        let settings = ShadowSettings { fit: shadow_math::Fit::PlaneOptimal, plane, map_size: 256, ..ShadowSettings::default() };
+        let mut views = [ViewPlan::default(); MAX_VIEWS_PER_LIGHT];
+        plan_light(&sun, &subject, &settings, [0, 0], &mut views).expect("the scene can be planned");
+        views[0]
+    };
+    let found = views(DVec3::ZERO, None);
+    assert_eq!(found.outcome(), FitOutcome::Fitted);
+    for height in [0.0, 100.0, -2048.0] {
+        let origin = DVec3::new(12.0, height, 7.0);
+        assert_eq!(views(origin, None), found);
+        assert_eq!(views(origin, Some([0.0, 2.0, 0.0, -2.0 * height as f32])), found, "the floor is {height} m high");
+    }
+}
+
 #[test]
 fn casters_in_view_fill_the_depth_before_the_plane() {
     let mut nearest = f64::INFINITY;
