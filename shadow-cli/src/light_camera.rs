@@ -16,8 +16,8 @@ pub(crate) struct LightCameraArgs {
     /// Where the samples of a map go: uniform, focused, lispsm, plane-optimal, ogre-uniform or ogre-lispsm [default: uniform]
     ///
     /// uniform covers all that the light reaches. focused covers what the camera sees and something can shadow: the smallest rectangle around its image. lispsm warps that, so that what is near to the
-    /// camera has more of the samples (Wimmer et al. 2004). plane-optimal gives each pixel of a plane one texel, whatever the light (Chong and Gortler 2004); what lies off the plane has other texels. ogre-uniform and ogre-lispsm are
-    /// what OGRE computes by itself, for comparison.
+    /// camera has more of the samples (Wimmer et al. 2004). plane-optimal gives each pixel of a plane one texel, whatever the light (Chong and Gortler 2004); what lies off the plane has other texels. ogre-uniform covers what OGRE
+    /// covers by itself, and ogre-lispsm is lispsm with OGRE's own warp, for comparison.
     #[arg(long, value_name = "FIT", value_parser = fit, help_heading = "Light cameras")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fit: Option<Fit>,

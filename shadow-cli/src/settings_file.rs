@@ -28,13 +28,13 @@ pub(crate) const DEFAULT_TEXT: &str = r#"# How lights are shadowed. Every key ma
 # name = "default"
 
 # Where the samples of a map go: "uniform" (over all that the light reaches), "focused" (what the camera sees and something can shadow), "lispsm" (the same, with more samples near the camera),
-# "plane-optimal" (a texel for each pixel of a plane), "ogre-uniform" or "ogre-lispsm" (what OGRE computes by itself).
+# "plane-optimal" (a texel for each pixel of a plane), "ogre-uniform" (what OGRE covers by itself) or "ogre-lispsm" (with OGRE's own warp).
 fit = "uniform"
 
 # What fits follow: "frustum" (all that the camera could see) or "samples" (what its pixels show).
 # fit-from = "frustum"
 
-# The plane of "plane-optimal", normal and offset; left out, it is the one that most pixels show.
+# The plane of "plane-optimal", normal and offset, in the coordinates of the file; left out, it is the one that most pixels show.
 # plane = [0.0, 1.0, 0.0, 0.0]
 
 # How many maps share the view: "single" (as few as can cover the light), "cube" (six around a spot or point light) or "cascades" (one for each range of distances from the camera).

@@ -337,7 +337,7 @@ fn empty_cascades_note(index: usize, light: &SceneLight, settings: &ShadowSettin
     let empty = count - layer_count(views);
     let name = name_in_note(index, light);
     (empty > 0).then(|| {
-        format!("{name}: {empty} of {count} cascades have no map, for nothing is seen between the distances that were given; choose nearer ones, or fewer")
+        format!("{name}: {empty} of {count} cascades have no map, for nothing is seen between the distances that were given; choose others, or fewer cascades")
     })
 }
 
