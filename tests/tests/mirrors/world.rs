@@ -467,6 +467,7 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
             (Fit::Lispsm, Cascades { count: 3, blend: 0.5, padding: 0.5, ..four }),
             (Fit::Uniform, Cascades { count: 2, selection: Selection::Containment, ..four }),
             (Fit::Focused, Cascades { selection: Selection::Containment, blend: 0.4, ..four }),
+            (Fit::Lispsm, Cascades { selection: Selection::Containment, ..four }),
         ] {
             let split = Split::Cascades(cascades);
             for (kind, _) in [kinds[1], kinds[2]] {
@@ -489,6 +490,10 @@ pub(super) fn plans() -> (Vec<LightPlan>, Vec<ViewPlan>) {
         }
         let ogre_2006 = Some(Ogre2006 { metres: 0.1, is_corrected: false });
         add_with(kind, ShadowSettings { split, bias: Bias::Parts(BiasParts { ogre_2006, ..BiasParts::NONE }), ..near });
+    }
+    // Warps of so small a scene leave nothing out that is in their map: they end half-way.
+    for view in views.iter_mut().filter(|view| view.farthest_w < f32::MAX) {
+        view.farthest_w = 0.5 * (1.0 + view.farthest_w);
     }
     // A part of the layer, as an atlas has it.
     for view in views.iter_mut().step_by(3).filter(|view| view.has_map()) {
