@@ -41,6 +41,46 @@ fn a_plan_says_what_became_of_each_view() {
     assert!(fallen["notes"].to_string().contains("shines along it"), "{}", fallen["notes"]);
 }
 
+/// What stands in for what is not there is said: the plane that was found, and cascades without a map.
+#[test]
+fn a_plan_says_what_was_found_and_what_is_missing() {
+    let folder = Folder::new("cameras-found");
+    let plan = |options: &[&str]| folder.json(&[&["plan", "--json"], &SUN[..], options].concat());
+    let found = plan(&["--fit", "plane-optimal"]);
+    let numbers = |plan: &Value| -> Vec<f64> {
+        plan["lights"][0]["plane"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+    };
+    assert_eq!(numbers(&found), [0.0, 1.0, 0.0, 0.0], "the demo's ground");
+    assert_eq!(numbers(&plan(&["--fit", "plane-optimal", "--plane", "0,2,0,-1"])), [0.0, 2.0, 0.0, -1.0]);
+    assert!(plan(&["--fit", "focused"])["lights"][0]["plane"].is_null());
+    let is_noted = |plan: &Value| plan["notes"].to_string().contains("3 of 4 cascades have no map");
+    // The demo's camera sees from 3 to 20 m.
+    let (beyond, before) =
+        (plan(&["--split", "cascades", "--splits", "30,40,50"]), plan(&["--split", "cascades", "--splits", "1,2,3"]));
+    assert!(is_noted(&beyond) && is_noted(&before));
+    assert_eq!((views(&beyond).len(), views(&before).len()), (1, 4));
+    assert!(!is_noted(&plan(&["--split", "cascades", "--splits", "5,10,15"])));
+}
+
+/// Where no pixel asks a map there is no m: not the best one.
+#[test]
+fn what_nobody_asks_has_no_aliasing() {
+    let folder = Folder::new("cameras-unasked");
+    let options = ["--size", "64x36", "--map-size", "64", "--filter", "hard", "--frames", "1", "--backend", "cpu"];
+    let unasked = [&["measure", "--shadow-distance", "0.5"], &options[..], &SUN[..]].concat();
+    let report = folder.json(&[&unasked[..], &["--json"]].concat());
+    let aliasing = &report["techniques"][0]["aliasing"];
+    assert_eq!(aliasing["pixels"], 0);
+    for key in ["median", "percentile_95", "max", "share_above_one"] {
+        assert!(aliasing[key].is_null(), "{key}: {aliasing}");
+    }
+    let output = folder.run(&unasked);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let row = text.lines().find(|line| line.starts_with("command line")).expect("the technique has a row");
+    assert!(row.contains("  -  "), "{row}");
+}
+
 #[test]
 fn a_plan_is_drawn() {
     let folder = Folder::new("cameras-draw");
@@ -50,6 +90,13 @@ fn a_plan_is_drawn() {
     assert!(drawing.starts_with("<svg") && drawing.ends_with("</svg>\n"));
     assert!(["from above", "from the side", "map 3"].into_iter().all(|said| drawing.contains(said)), "{drawing}");
     assert!(!drawing.contains("NaN") && !drawing.contains("inf"), "every place is a number");
+    // Of a map that reaches beyond the horizon all 17 lines that lead there are drawn up to it, and those across that lie before it.
+    let beyond = ["plan", "--fit", "plane-optimal", "--light", "directional:dir=0.2,-1,0;lux=1000", "--draw", "horizon.svg"];
+    assert_eq!(folder.run(&beyond).status.code(), Some(0));
+    let drawing = std::fs::read_to_string(folder.path().join("horizon.svg")).expect("it was drawn");
+    let lines = drawing.matches("side0)\"><line ").count();
+    assert!(lines > 17 + 10 && lines <= 17 + 17, "{lines} lines from above");
+    assert_eq!(drawing.matches("<circle ").count(), 2, "the camera, in both drawings");
     let refused = folder.refusal(&["plan", "--draw", "cameras.png"]);
     assert!(refused.contains(".svg"), "{refused}");
 }
